@@ -1,6 +1,7 @@
 """The command ``request``: sends a goal to the core."""
 
 import time
+from functools import partial
 from typing import Callable
 
 import rospy
@@ -10,9 +11,11 @@ from rosoclingo.nodes.goal_client import CoreClient, SentGoal
 from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import interfaces_of, words_of
 from rosoclingo.reasoning.interface_register import ReportedInterfaces
+from rosoclingo.runs.events import SAID, reason_of, reason_suffix
 from rosoclingo.runs.sentences import Sentences, actions_now
 
 Line = Callable[[ROSoClingoFeedback], str]
+End = Callable[[SentGoal], str]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -24,7 +27,8 @@ _TURN = 0.2
 def request(text: str, server: str, wait: float, say: Callable[[str], None], plain: bool = False) -> int:
     """Send a goal, print its feedback and its end, and return an exit code of EXIT_CODES; Ctrl-C cancels the goal.
 
-    The feedback is the plan. With ``plain`` it is the current actions in the program's words, or a missing interface.
+    The feedback is the plan. With ``plain`` it is the current actions in the program's words, or a missing interface,
+    and the end is in these words, too.
 
     The goal is lost if its server does not start within ``wait`` seconds of wall time, or disappears later. A server
     that waits for ROS time to begin counts as present.
@@ -45,11 +49,13 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         still = "" if rospy.get_time() else "; ROS time has not begun, so the core publishes no status"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
-    line = _plain_line(words_of(client.node), interfaces_of(client.node)) if plain else _line
-    return _follow(client, client.send(text), line, say)
+    words = words_of(client.node) if plain else None
+    line = _line if words is None else _plain_line(words, interfaces_of(client.node))
+    end = _end if words is None else partial(_plain_end, words)
+    return _follow(client, client.send(text), line, end, say)
 
 
-def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str], None]) -> int:
+def _follow(client: CoreClient, goal: SentGoal, line: Line, end: End, say: Callable[[str], None]) -> int:
     """Print news of a goal until it has ended; return the exit code."""
     said, cancelled, beginning = "", False, Beginning()
     while not goal.ended:
@@ -67,7 +73,7 @@ def _follow(client: CoreClient, goal: SentGoal, line: Line, say: Callable[[str],
             cancelled = True
             say(f"cancelling {goal.text} (Ctrl-C again: do not wait)")
             goal.cancel()
-    say(f"{goal.outcome}: {goal.message}")
+    say(end(goal))
     return EXIT_CODES[goal.outcome]
 
 
@@ -89,3 +95,12 @@ def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:
 def _line(feedback: ROSoClingoFeedback) -> str:
     plan = " ".join(feedback.task_plan[feedback.position :]) or "nothing to do"
     return f"cycle {feedback.cycle}, {feedback.status}: {plan}"
+
+
+def _end(goal: SentGoal) -> str:
+    return f"{goal.outcome}: {goal.message}"
+
+
+def _plain_end(words: Sentences, goal: SentGoal) -> str:
+    reason = words.reason(goal.text, reason_of(goal.text, goal.message))
+    return f"{words.goal(goal.text)}: {SAID[goal.outcome]}{reason_suffix(goal.outcome, reason)}"

@@ -7,7 +7,7 @@ from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.runs.believed_places import CARRIED, believed_places
 from rosoclingo.runs.events import SAID, reason_suffix
 from rosoclingo.runs.run_tables import Point
-from rosoclingo.runs.run_view import PENDING, WAITING, RunView
+from rosoclingo.runs.run_view import PENDING, RunView
 from rosoclingo.runs.scenario import OUTCOMES
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_atoms import action_in
@@ -132,8 +132,8 @@ class Account(RunView):
 
 
 def _goal(record: Mapping[str, Any]) -> GoalAccount:
-    _, word, reason, _ = record["states"][-1]
-    return GoalAccount(record["request"], PENDING if word == WAITING else word, reason, record["id"], record["words"])
+    _, status, reason, _ = record["states"][-1]
+    return GoalAccount(record["request"], status, reason, record["id"], record["words"])
 
 
 def _earlier(text: str, cycles: int) -> str:

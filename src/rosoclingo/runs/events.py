@@ -117,8 +117,8 @@ class RunEvents:
 
 
 def reason_suffix(status: str, reason: str) -> str:
-    """Return the reason of a failed goal in parentheses; empty for other goals."""
-    return f" ({reason})" if reason and status in ("aborted", "rejected", "lost") else ""
+    """Return the reason of a failed or queued goal in parentheses; empty for other goals."""
+    return f" ({reason})" if reason and status in ("waiting", "aborted", "rejected", "lost") else ""
 
 
 def reason_of(request: str, message: str) -> str:

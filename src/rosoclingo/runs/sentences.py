@@ -63,6 +63,8 @@ class Sentences:
         self._texts: Dict[str, str] = dict(texts or {})
         self._patterns = sorted(patterns, key=lambda one: -_size(one.pattern))
         self.titles: Dict[str, str] = dict(titles or {})
+        names = "|".join(map(re.escape, sorted(self.titles, key=len, reverse=True)))
+        self._label = re.compile(rf"(?<![\w(,])(?:{names})(?!\w|[()]|,\S)") if names else None
         self._calls = {ACTION_LIB, REQUEST, RETURN, *(one.pattern.name for one in patterns)}
 
     def of(self, action: Action) -> str:
@@ -110,16 +112,20 @@ class Sentences:
         return self.replace(message)
 
     def replace(self, message: str) -> str:
-        """Return a message with sentences in place of the goals, actions and facts in it."""
+        """Return a message with sentences in place of the goals, actions and facts in it, and with titles of labels."""
         found, at = [], 0
         for call in _CALL.finditer(message):
             end = _end_of(message, call.end()) if call.start() >= at and call.group()[:-1] in self._calls else 0
             words = self._of_call(message[call.start() : end]) if end else None
             if words is not None:
                 quoted = message[: call.start()].endswith("'")
-                found += [message[at : call.start()], words if quoted else f"'{words}'"]
+                found += [self._titled(message[at : call.start()]), words if quoted else f"'{words}'"]
                 at = end
-        return "".join([*found, message[at:]])
+        return "".join([*found, self._titled(message[at:])])
+
+    def _titled(self, text: str) -> str:
+        """Return a text with titles in place of the labels that stand alone in it, not as an argument of a term."""
+        return self._label.sub(lambda found: self.titles[found.group()], text) if self._label else text
 
     def _of_call(self, text: str) -> Optional[str]:
         """Return the words for a goal, an action, a request or a fact; None for any other text."""

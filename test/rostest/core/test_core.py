@@ -192,7 +192,7 @@ class Core(unittest.TestCase):
             number = command.split(",")[1]
             client.lines_until(f"walks {number}")
             self.hands.succeed(command)
-            self.assertEqual(client.rest(), (0, [f"succeeded: {text} is met"]))
+            self.assertEqual(client.rest(), (0, [f"{text}: done"]))
 
     def test_watch_joins_a_run_and_ends_with_a_summary(self):
         before = self.client.send(self.errand())

@@ -5,8 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from rosoclingo.planning.explaining.atom_patterns import pattern_in
 from rosoclingo.reasoning.interface_register import ReportedInterfaces
-from rosoclingo.runs.sentences import Sentences
+from rosoclingo.runs.sentences import PatternSentence, Sentences
+
+WALK = PatternSentence(pattern_in("walk(Room)"), "Walk to room {Room}")
 
 
 @pytest.fixture
@@ -14,7 +17,7 @@ def command(messages, monkeypatch):
     """The module of the command, which gets the client below."""
     module = import_module("rosoclingo.nodes.request")
     monkeypatch.setattr(module, "CoreClient", Client)
-    monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}))
+    monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}, [WALK]))
     monkeypatch.setattr(module, "interfaces_of", lambda core: ReportedInterfaces())
     return module
 
@@ -57,17 +60,22 @@ class Client:
 
 
 @pytest.mark.parametrize(
-    ("plain", "first", "then"),
+    ("plain", "first", "then", "end"),
     [
-        (True, "walks to 3", "is cancelled: walks to 3"),
-        (False, "cycle 1, active: _action_lib(walk,3,1)", "cycle 1, preempting: _action_lib(walk,3,1)"),
+        (True, "walks to 3", "is cancelled: walks to 3", "Walk to room 3: cancelled"),
+        (
+            False,
+            "cycle 1, active: _action_lib(walk,3,1)",
+            "cycle 1, preempting: _action_lib(walk,3,1)",
+            "canceled: as you like",
+        ),
     ],
 )
-def test_request_reports_each_action_once_after_cancel(plain, first, then, command):
+def test_request_reports_each_action_once_after_cancel(plain, first, then, end, command):
     said = []
     assert command.request("walk(3)", "rosoclingo", 1.0, said.append, plain) == 2
     cancelling = "cancelling walk(3) (Ctrl-C again: do not wait)"
-    assert said == [first, cancelling, then, "canceled: as you like"]
+    assert said == [first, cancelling, then, end]
 
 
 MISSING = "no interface 'walk' for _action_lib(walk,3,1): no node subscribes to out_rosoclingo"

@@ -157,6 +157,12 @@ def test_account_has_a_summary(account):
     assert account.summary.seconds == pytest.approx(1.1)
 
 
+def test_account_summary_tells_why_a_goal_waits(account):
+    account.goal(0.0, "a", "g(1)")
+    account.status(0.1, "a", 0, "much to do")
+    assert account.summary.lines()[0] == "g(1): queued (much to do)"
+
+
 def test_account_summary_of_a_run_without_events(account):
     assert account.summary.lines() == ["actions: none"]
 

@@ -140,6 +140,19 @@ def test_sentences_replace_terms_in_reasons(message, reason):
     assert sentences_of(program(GOALS)).reason("goal(a,b,1)", message) == reason
 
 
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        ("waits for office3, then for office4", "waits for Anna's office, then for office4"),
+        ("the door of 'office3' is closed", "the door of 'Anna's office' is closed"),
+        ("since '_return(move_base,blocked,3)' at office3", "since 'move_base returned blocked' at Anna's office"),
+        ("at(robot,office3,2), near(office3), office33 and office3(2)",) * 2,
+    ],
+)
+def test_sentences_replace_labels_in_reasons_by_their_titles(message, reason):
+    assert sentences_of(program(GOALS, TITLES)).reason("goal(a,b,1)", message) == reason
+
+
 @given(st.text(alphabet="goal(a,b1)\"\\' _returnX\n\u202e", max_size=60))
 def test_sentences_accept_any_message_and_pattern(text):
     sentences = sentences_of(program(GOALS))
