@@ -5,9 +5,9 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.runs.believed_places import CARRIED, believed_places
-from rosoclingo.runs.events import SAID, reason_suffix
+from rosoclingo.runs.events import PENDING, SAID, reason_suffix
 from rosoclingo.runs.run_tables import Point
-from rosoclingo.runs.run_view import PENDING, RunView
+from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.scenario import OUTCOMES
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_atoms import action_in

@@ -6,7 +6,21 @@ for pages and accounts; a run collector converts them to the cycles of a replay.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ["ENDED", "SAID", "STATUS_WORDS", "GoalReport", "RunEvents", "reason_of", "reason_suffix"]
+__all__ = [
+    "ENDED",
+    "PENDING",
+    "SAID",
+    "STATUS_WORDS",
+    "WAITING",
+    "GoalReport",
+    "RunEvents",
+    "reason_of",
+    "reason_suffix",
+    "status_word",
+]
+
+#: States of a goal that the core has not accepted yet: actionlib's, and that of a queued goal with a reason.
+PENDING, WAITING = "pending", "waiting"
 
 #: Words for actionlib's status numbers (actionlib_msgs/GoalStatus).
 STATUS_WORDS = (
@@ -114,6 +128,12 @@ class RunEvents:
 
     def clock(self, time: float) -> None:
         """Handle the passing of time without other events."""
+
+
+def status_word(number: int, reason: str) -> str:
+    """Return the word for a status number; a pending goal with a reason is waiting. Raises IndexError for others."""
+    word = STATUS_WORDS[number]
+    return WAITING if word == PENDING and reason else word
 
 
 def reason_suffix(status: str, reason: str) -> str:

@@ -23,7 +23,18 @@ from rosoclingo.reasoning.keywords import (
 )
 from rosoclingo.runs.action_records import ActionRecords
 from rosoclingo.runs.drawing import Drawings, drawings_of
-from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, GoalReport, RunEvents, reason_of, reason_suffix
+from rosoclingo.runs.events import (
+    ENDED,
+    PENDING,
+    SAID,
+    STATUS_WORDS,
+    WAITING,
+    GoalReport,
+    RunEvents,
+    reason_of,
+    reason_suffix,
+    status_word,
+)
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
 from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, simplify
@@ -49,9 +60,6 @@ PATHS_APART = 5.0
 
 #: The status of a lost goal, which can still be followed by another status.
 LOST = "lost"
-
-#: States of a goal that the core has not accepted yet: actionlib's, and that of a queued goal with a reason.
-PENDING, WAITING = "pending", "waiting"
 
 #: Beliefs that other log lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
@@ -207,8 +215,7 @@ class RunView(RunEvents):
         """
         if not 0 <= number < len(STATUS_WORDS):
             return
-        word, before = STATUS_WORDS[number], self.last_state(key)
-        word = WAITING if word == PENDING and reason else word
+        word, before = status_word(number, reason), self.last_state(key)
         is_news = before is not None and before[0] != word and word not in (PENDING, WAITING)
         if self._state(time, key, word, reason) and is_news:
             goal = self.tables["goals"][self._goals[key]]

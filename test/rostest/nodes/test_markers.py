@@ -45,7 +45,7 @@ class Markers(unittest.TestCase):
         self.goals.publish(
             goals=[GoalState(request="g(1)", status=1), GoalState(request="g(2)", status=5, reason="no")]
         )
-        reported = ["goals: 1 open, 1 ended\ng(1): active\ng(2): rejected, no"]
+        reported = ["goals: 1 open, 1 ended\ng(1): under way\ng(2): rejected (no)"]
         wait_until(lambda: self.texts.get("goals") == reported, "the goals")
         self.state.publish(cycle=1, atoms=["shut(office1,office2,now)", "lies(cup,office2,now)"])
         self.program.publish(String("no program"))

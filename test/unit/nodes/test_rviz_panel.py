@@ -5,8 +5,11 @@ import pytest
 from rosoclingo.nodes.rviz.panel import LETTERS, LINES, WIDTH, Panel, goals_text, plan_text
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, PAPER, larger, text_shape, text_width, with_plate
 from rosoclingo.oclingo import parse_atom
+from rosoclingo.planning.explaining.atom_patterns import pattern_in
 from rosoclingo.reasoning.keywords import action_of
+from rosoclingo.runs.sentences import PatternSentence, Sentences
 
+TERMS = Sentences()
 PLAN = ("move_base,office2", "move_base,office3", "pickup,1", "move_base,office2", "deliver,1")
 
 
@@ -15,7 +18,7 @@ def actions(words=PLAN):
 
 
 def test_rviz_panel_shows_the_plan():
-    assert plan_text(actions(), 3).splitlines() == [
+    assert plan_text(actions(), 3, TERMS).splitlines() == [
         "cycle 3: plan",
         "1. move_base office2  done",
         "2. move_base office3  done",
@@ -23,16 +26,16 @@ def test_rviz_panel_shows_the_plan():
         "4. move_base office2",
         "5. deliver 1",
     ]
-    assert plan_text([], 7) == "cycle 7: idle"
+    assert plan_text([], 7, TERMS) == "cycle 7: idle"
 
 
 def test_rviz_panel_abbreviates_long_plans():
     plan = actions([f"pickup,{number}" for number in range(1, 13)])
-    beginning = plan_text(plan, 1).splitlines()
+    beginning = plan_text(plan, 1, TERMS).splitlines()
     assert (len(beginning), beginning[1], beginning[-1]) == (9, "1. pickup 1  now", "... 5 more")
-    middle = plan_text(plan, 4).splitlines()
+    middle = plan_text(plan, 4, TERMS).splitlines()
     assert (len(middle), middle[1], middle[-1]) == (9, "3. pickup 3  done", "... 3 more")
-    end = plan_text(plan, 12).splitlines()
+    end = plan_text(plan, 12, TERMS).splitlines()
     assert (len(end), end[1], end[-1]) == (9, "5. pickup 5  done", "12. pickup 12  now")
 
 
@@ -44,23 +47,35 @@ def test_rviz_panel_lists_open_goals_first():
         ("g(4)", 0, "at most 8 goals are planned for at a time"),
         ("g(5)", 0, ""),
     ]
-    assert goals_text(goals).splitlines() == [
+    assert goals_text(goals, TERMS).splitlines() == [
         "goals: 3 open, 2 ended",
-        "g(2): active",
-        "g(4): waits, at most 8 goals are planned for",
-        "    at a time",
-        "g(5): pending",
-        "g(3): rejected, there is no such place",
-        "g(1): succeeded",
+        "g(2): under way",
+        "g(4): queued (at most 8 goals are planned",
+        "    for at a time)",
+        "g(5): new",
+        "g(3): rejected (there is no such place)",
+        "g(1): done",
     ]
-    assert goals_text([]) == "goals: none"
+    assert goals_text([], TERMS) == "goals: none"
+
+
+def test_rviz_panel_shows_the_sentences_of_the_program():
+    patterns = [PatternSentence(pattern_in("goal(_,To,Id)"), "Bring {Id} to {To}")]
+    sentences = Sentences({"move_base": "drives to {}"}, patterns, {"office2": "Anna's office"})
+    assert plan_text(actions()[:1], 1, sentences) == "cycle 1: plan\n1. drives to Anna's office  now"
+    rejected = ("goal(office2,office1,3)", 5, "the program rejects goal(office2,office1,3): office2 is closed")
+    assert goals_text([rejected], sentences).splitlines() == [
+        "goals: 0 open, 1 ended",
+        "Bring 3 to office1: rejected (Anna's office",
+        "    is closed)",
+    ]
 
 
 @pytest.mark.parametrize("length", [1, 30, 5000])
 @pytest.mark.parametrize("count", [1, LINES - 1, LINES, LINES + 1, 100])
 def test_rviz_panel_goals_use_the_available_lines(count, length):
     goals = [(f"g({'x' * length},{number})", 4, "because " * length) for number in range(count)]
-    heading, *lines = goals_text(goals).splitlines()
+    heading, *lines = goals_text(goals, TERMS).splitlines()
     assert heading == f"goals: 0 open, {count} ended"
     assert 1 <= len(lines) <= LINES
     assert max(map(len, lines)) <= LETTERS
@@ -70,9 +85,9 @@ def test_rviz_panel_goals_use_the_available_lines(count, length):
 
 
 def test_rviz_panel_ignores_an_invalid_status():
-    assert goals_text([("g(1)", 99, ""), ("two\nlines", 1, "")]).splitlines() == [
+    assert goals_text([("g(1)", 99, ""), ("two\nlines", 1, "")], TERMS).splitlines() == [
         "goals: 1 open, 0 ended",
-        "two lines: active",
+        "two lines: under way",
     ]
 
 

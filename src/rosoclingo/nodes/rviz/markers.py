@@ -28,6 +28,7 @@ from rosoclingo.nodes.rviz.scene import (
 from rosoclingo.planning.history import robots_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in
 
 HEIGHT = 0.3  # m above the floor
@@ -64,8 +65,8 @@ class MarkersNode:
         packages (rosoclingo/PackageStates): the places of the packages.
         rosoclingo/task_plan (rosoclingo/TaskPlan): the current plan.
         rosoclingo/goals (rosoclingo/GoalStates): the goals, with their reasons.
-        rosoclingo/program (std_msgs/String), rosoclingo/state (rosoclingo/State): the program's drawings, for example
-            blocked ways.
+        rosoclingo/program (std_msgs/String), rosoclingo/state (rosoclingo/State): the program's sentences, and its
+            drawings, for example blocked ways.
         /tf, /tf_static (tf2_msgs/TFMessage)
     Publishes:
         ~markers (visualization_msgs/MarkerArray, latched): all markers, after each change.
@@ -89,7 +90,7 @@ class MarkersNode:
         self._latest: Dict[str, Any] = {}  # messages by topic
         self._bounds: Optional[Bounds] = None  # of the map
         self._starts: Dict[str, Optional[Tuple[float, float]]] = {}  # positions of the robots at the latest plan
-        self._drawings = Drawings()
+        self._drawings, self._sentences = Drawings(), Sentences()
         self._changed = True
         self._shown: Optional[List[Shape]] = None
         self._publisher = rospy.Publisher("~markers", MarkerArray, queue_size=1, latch=True)
@@ -114,11 +115,12 @@ class MarkersNode:
 
     def _take_program(self, text: str) -> None:
         try:
-            self._drawings = drawings_of(RunProgram.parse(text))
+            program = RunProgram.parse(text)
+            self._drawings, self._sentences = drawings_of(program), sentences_of(program)
             for fault in self._drawings.faults:
                 rospy.logwarn("%s", fault)
         except RecordingError as error:
-            rospy.logwarn("the program's drawings are not shown: %s", error)
+            rospy.logwarn("the program's sentences and drawings are not shown: %s", error)
 
     def _draw(self) -> None:
         if not self._changed:
@@ -152,12 +154,13 @@ class MarkersNode:
         shapes += package_shapes(things, self._labels, self._pose.base_frame)
         if plan is not None:
             actions = [one for one in map(action_in, plan.actions) if one is not None]
-            shapes.append(panel.plan(plan_text(actions, plan.cycle)))
+            shapes.append(panel.plan(plan_text(actions, plan.cycle, self._sentences)))
             for robot in self._robots:
                 own = [one for one in actions if not robot or robot in map(str, robots_of(one.interface))]
                 shapes += plan_shapes(own, self._labels, plan.cycle, self._starts.get(robot))
         if goals is not None:
-            shapes.append(panel.goals(goals_text([(one.request, one.status, one.reason) for one in goals.goals])))
+            rows = [(one.request, one.status, one.reason) for one in goals.goals]
+            shapes.append(panel.goals(goals_text(rows, self._sentences)))
         return shapes
 
 

@@ -5,7 +5,8 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, Point, Shape, text_shape, text_width
 from rosoclingo.reasoning.keywords import Action, shortened
-from rosoclingo.runs.events import ENDED, STATUS_WORDS, reason_of
+from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, reason_of, reason_suffix, status_word
+from rosoclingo.runs.sentences import Sentences
 
 __all__ = ["HEIGHT", "LINES", "Panel", "goals_text", "plan_text"]
 
@@ -53,9 +54,9 @@ class Panel(NamedTuple):
         return text_shape(group, self.frame, text, place, size=size)
 
 
-def plan_text(actions: Sequence[Action], cycle: int) -> str:
+def plan_text(actions: Sequence[Action], cycle: int, sentences: Sentences) -> str:
     """Return the plan in words, a line for each action, with the current action marked and distant actions omitted."""
-    lines = [_line(action, cycle) for action in actions]
+    lines = [f"{one.cycle}. {sentences.of(one)}{_mark(one, cycle)}" for one in actions]
     first = max(0, min(sum(action.cycle < cycle for action in actions) - 1, len(lines) - LINES))
     shown = lines[first : first + LINES]
     if len(lines) - first > LINES:
@@ -64,20 +65,19 @@ def plan_text(actions: Sequence[Action], cycle: int) -> str:
     return "\n".join([f"cycle {cycle}: {state}", *shown])
 
 
-def _line(action: Action, cycle: int) -> str:
-    mark = "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
-    return f"{action.cycle}. {action.interface_name} {action.parameter}{mark}"
+def _mark(action: Action, cycle: int) -> str:
+    return "  done" if action.cycle < cycle else "  now" if action.cycle == cycle else ""
 
 
-def goals_text(goals: Sequence[GoalRow]) -> str:
+def goals_text(goals: Sequence[GoalRow], sentences: Sentences) -> str:
     """Return the goals in words, with the reasons why they wait or failed: open goals first, then the latest ended."""
-    known = [(request, STATUS_WORDS[number], reason) for request, number, reason in goals if number < len(STATUS_WORDS)]
+    known = [(text, status_word(number, why), why) for text, number, why in goals if number < len(STATUS_WORDS)]
     still = [one for one in known if one[1] not in ENDED]
     ended = [one for one in known if one[1] in ENDED][::-1]
     lines: List[str] = []
     shown = 0
     for one in (*still, *ended):
-        words = _goal(*one)
+        words = _goal(*one, sentences)
         if len(lines) + len(words) > LINES - (shown + 1 < len(known)):
             break
         lines, shown = lines + words, shown + 1
@@ -86,12 +86,9 @@ def goals_text(goals: Sequence[GoalRow]) -> str:
     return "\n".join([f"goals: {counted}", *lines, *more])
 
 
-def _goal(request: str, word: str, message: str) -> List[str]:
+def _goal(request: str, word: str, message: str, sentences: Sentences) -> List[str]:
     """Return the lines of a goal, at most half of LINES."""
-    reason = reason_of(request, message)
-    said = "waits" if word == "pending" and reason else word
-    needed = said in ("waits", "aborted", "rejected", "lost")
-    text = f"{shortened(request, LETTERS)}: {said}" + (
-        f", {shortened(reason, 3 * LETTERS)}" if needed and reason else ""
-    )
+    reason = sentences.reason(request, reason_of(request, message))
+    said = f"{SAID[word]}{reason_suffix(word, shortened(reason, 3 * LETTERS))}"
+    text = f"{shortened(sentences.goal(request), LETTERS)}: {said}"
     return textwrap.wrap(text, LETTERS, subsequent_indent="    ", break_long_words=True)[: LINES // 2]
