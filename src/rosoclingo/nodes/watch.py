@@ -1,27 +1,65 @@
 """The command ``watch``: prints the account of a running system, or of a bag."""
 
-import time
+import argparse
+import sys
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Callable, Iterable, Optional, Sequence
 
 import rospy
 
 from rosoclingo.nodes.account_node import TOPICS, AccountNode
 from rosoclingo.nodes.recording.bag_reader import read_bag
-from rosoclingo.nodes.server_watch import Beginning
+from rosoclingo.nodes.server_watch import Beginning, missing_master
 from rosoclingo.nodes.words import words_of
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.runs.account import Account, Summary
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL
 
 Say = Callable[[str], None]
 
+_PRINT = partial(print, flush=True)  # also a pipe's reader gets each line at once
+
 #: The type of a topic of each core, by which cores are found.
 _PLAN = "rosoclingo/TaskPlan"
 
 #: Seconds of wall time between two checks for lines that are due.
 _TURN = 0.2
+
+
+_DESCRIPTION = """Print an account of a running system until Ctrl-C, then a summary; or the account of a bag.
+
+A late start is possible: the account then begins with the present plan and goals. Actions are in the words of the
+program, ``_says(move_base,"drives to {}").`` among its facts. The exit code is 0, 2 without a master or such a run.
+"""
+
+
+@exits_on_broken_pipe
+def main(arguments: Optional[Sequence[str]] = None, say: Say = _PRINT) -> int:
+    """Run the command; return its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="watch", description=_DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("bag", nargs="?", type=Path, metavar="RUN.bag", help="a recording; needs no master")
+    parser.add_argument("--state", action="store_true", help="also print each change of the program's beliefs")
+    parser.add_argument("--core", metavar="NAME", help="the core's name (default: the only core)")
+    options = parser.parse_args(rospy.myargv()[1:] if arguments is None else arguments)
+    missing = missing_master() if options.bag is None else None
+    if missing:
+        sys.exit(missing)
+    try:
+        if options.bag is not None:
+            watch_bag(options.bag, options.core, options.state, say)
+        else:
+            rospy.init_node("watch", anonymous=True, disable_signals=True)
+            watch_system(options.core, options.state, say)
+    except RecordingError as error:
+        sys.stderr.write(f"watch: {error}\n")
+        return 2
+    return 0
 
 
 def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> None:
@@ -37,17 +75,28 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Print the account of a core's system until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
     words = words_of(name)  # first, as the first line can be about an action
-    account, beginning = AccountNode(say, with_state, name, words), Beginning()
+    lines: SimpleQueue[str] = SimpleQueue()
+    account, beginning = AccountNode(lines.put, with_state, name, words), Beginning()
     try:
         while not rospy.is_shutdown():
-            time.sleep(_TURN)
+            _say_all(lines, say, _TURN)
             line = beginning.line()
             if line:
                 say(line)
             account.tick()
     except KeyboardInterrupt:
         pass
-    _conclude(account.finish(), say)
+    summary = account.finish()
+    _say_all(lines, say)
+    _conclude(summary, say)
+
+
+def _say_all(lines: "SimpleQueue[str]", say: Say, wait: float = 0.0) -> None:
+    """Print all lines, and wait for the first; errors of ``say`` are raised here, not in callbacks of topics."""
+    with suppress(Empty):
+        say(lines.get(timeout=wait))
+        while True:
+            say(lines.get_nowait())
 
 
 def _conclude(summary: Summary, say: Say) -> None:

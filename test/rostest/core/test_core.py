@@ -217,6 +217,18 @@ class Core(unittest.TestCase):
         begin = rest.index(f"{goal.text}: done")  # after the output that preceded the interrupt
         self.assertEqual((rest[begin - 1], rest[begin + 1]), ("", f"actions: walks {number}"))
 
+    def test_watch_with_a_closed_output_ends_quietly(self):
+        command = ["rosrun", "rosoclingo", "watch"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watch:
+            self.addCleanup(watch.kill)
+            watch.stdout.readline()  # the plan
+            watch.stdout.close()
+            goal = self.client.send(self.errand())
+            self.hands.succeed(self.hands.take())
+            goal.ends_as(SUCCEEDED)
+            self.assertNotIn("Traceback", watch.stderr.read())
+            self.assertEqual(watch.wait(PATIENCE), 1)
+
     def test_many_goals_of_many_clients(self):
         self.hands.at_once = True
         chance = random.Random(1)

@@ -8,6 +8,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 import rospkg
 
 from rosoclingo.nodes.recording.bag_reader import read_bag
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.reasoning.journal.database import file_of, is_journal
 from rosoclingo.runs.journal_run import journal_view
 from rosoclingo.runs.recorded_run import RecordingError
@@ -64,6 +65,7 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]] = None, say: Callable[[str], None] = print) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     options = make_parser().parse_args(arguments)

@@ -8,6 +8,7 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 from rosoclingo.nodes.recording.bag_reader import bag_runs
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.reasoning.journal.database import file_of, is_journal
@@ -69,6 +70,7 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
+@exits_on_broken_pipe
 def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
     """Run the command with ``arguments`` (default: those of the process) and return its exit code."""
     parser = make_parser()

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.reasoning.journal.database import JournalError, file_of, lines_of, read
 from rosoclingo.reasoning.journal.folder import Journal
 
@@ -10,6 +11,7 @@ from rosoclingo.reasoning.journal.folder import Journal
 VERBS = ("show", "clear")
 
 
+@exits_on_broken_pipe
 def main(verb: str, name: str) -> int:
     """Show or clear the journal in a folder; return the exit code.
 
@@ -18,6 +20,8 @@ def main(verb: str, name: str) -> int:
     """
     try:
         return _show(Path(name)) if verb == "show" else _clear(Path(name))
+    except BrokenPipeError:
+        raise
     except OSError as error:
         return _failed(f"{error.filename or name}: {error.strerror}")
     except JournalError as error:
