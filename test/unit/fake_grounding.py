@@ -49,10 +49,6 @@ class FakeGrounding:
             found = None
         return found, " ".join(self.asked)
 
-    def time(self):
-        """Each question takes a second."""
-        return 1000.0 + self.questions
-
     def build(self, _snapshot, horizon):
         if horizon > self.horizon:
             self.grow_to(horizon)
@@ -80,7 +76,7 @@ class FakeGrounding:
         assert question.advised or self.program.advises
         self.note(question)
         self.questions += 1
-        if self.cut and (stopped() or (question.until is not None and question.until())):
+        if self.cut and stopped():
             return UNKNOWN
         horizons = range(first, last + 1)
         plans = [(one, actions(*cycles)) for one, cycles in self.plans if one in horizons]

@@ -1,11 +1,15 @@
 """Plays updates given as text on the stream solvers, and returns or checks their answers."""
 
+import time
 from itertools import count
+from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 from stream_logs import copied, cut, texts
 
 from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Question
@@ -25,6 +29,12 @@ def solver_of(text, kind=ReactiveSolver, **options):
 def planner_of(text, **options):
     """Return a planner for a program given as text."""
     return solver_of(text, PlanSolver, **options)
+
+
+def processor_clock(read):
+    """Replace the processor time of the planner by ``read``."""
+    clock = SimpleNamespace(perf_counter=time.perf_counter, process_time=read)
+    return mock.patch.object(solver_module, "time", clock)
 
 
 def play(solver, text):

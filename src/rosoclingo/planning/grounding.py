@@ -272,10 +272,8 @@ class Grounding(StepwiseGrounding):
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def ask(self, question: Question, stopped: Stop) -> Reply:
-        """Search for answers; the reply is unknown if ``stopped`` or ``question.until`` ends the search."""
+        """Search for answers; the reply is unknown if ``stopped`` ends the search."""
         self._actions.forbid_late()
-        until = question.until
-        ended = stopped if until is None else (lambda: stopped() or until())
         lacking = self._lacking(question.lacking)
         kept = {one.symbol: one.literal for one in self._atoms(question.kept)}
         claim = self._claim() if question.believes else None
@@ -297,7 +295,7 @@ class Grounding(StepwiseGrounding):
                 core: List[int] = []
             else:
                 result, core = self._clasp.run(
-                    limits, assumed, lambda model: this._keep(model, question, answers), ended, with_core=blames
+                    limits, assumed, lambda model: this._keep(model, question, answers), stopped, with_core=blames
                 )
         for literal in lacking:
             self._session.release(literal)

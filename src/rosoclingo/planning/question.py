@@ -40,7 +40,6 @@ class Question(NamedTuple):
         best: compute only optimal answers, if the program optimizes.
         proven: require a proof of optimality; otherwise accept the best answer found before the stop.
         advised: use the ``#heuristic`` statements.
-        until: an additional stop for this question.
         brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small, and
             the reply has no unsat core.
         shows: compute the shown atoms of each answer.
@@ -62,7 +61,6 @@ class Question(NamedTuple):
     best: bool = False
     proven: bool = True
     advised: bool = True
-    until: Optional[Stop] = None
     brief: bool = False
     shows: bool = True
     differ: Sequence[clingo.Symbol] = ()

@@ -4,6 +4,7 @@ Its only state is the history; everything else is a cache.
 """
 
 import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -21,13 +22,13 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, Strategy, never
+from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, never
 from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
 from rosoclingo.planning.strategies.probe import probe
-from rosoclingo.planning.strategies.shortest import SearchResult, shortest
-from rosoclingo.planning.strategies.soon import TimeLimitedSearch
+from rosoclingo.planning.strategies.shortest import all_answers, shortest
+from rosoclingo.planning.strategies.soon import FirstPlan, FirstPlanSearch
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 BLOCK = 8
@@ -116,30 +117,58 @@ class PlanSolver(PlanningSolver):
         after = before.with_update(update, self.program)
         runner = self._following(after) or self._runner(after, stopped)
         self._searched, self._under_way = None, lambda: runner.horizon
-        strategy: Strategy[SearchResult]
-        if self._plan_time is None:
-            strategy = shortest(runner, self.models, 0 if self.log.plan is None else self.log.plan.horizon)
-        else:
-            succeeds = update is not None and reports_only_success(update, before.permanent)
-            strategy = TimeLimitedSearch(runner, self.models, self.log.plan, self._plan_time, succeeds).run()
-        try:
-            found = runner.run(strategy, stopped)
-        except StoppedError:
-            found = SearchResult(UNKNOWN)
-        spent = {"solve": runner.seconds, "ground": time.perf_counter() - start - runner.seconds}
-        spent["needed"] = (found.answered or time.process_time()) - began
+        limit_from = time.process_time()
+        found = self._first_plan(runner, update, stopped)
+        spent = {"needed": time.process_time() - began}
+        reply, proven = found.reply, bool(found.reply.satisfiable)
+        if reply.satisfiable and self._plan_time is not None:
+            reply, proven = self._shortened(runner, found, limit_from + self._plan_time * found.share, stopped)
+        spent.update(solve=runner.seconds, ground=time.perf_counter() - start - runner.seconds)
         warnings = () if update is None else update.warnings
-        result = self._result(runner, found, warnings, spent)
+        result = self._result(runner, reply, proven, warnings, spent)
         self.log = self.log.with_entries(AcceptedUpdate(update, result.horizon if result.answers else runner.horizon))
         self._searched = _Cached(self.log.key, runner)
         self._adopt(result)
         self._append_checkpoint(None if runner.follows else runner.grounding, always=False)
         return result
 
+    def _first_plan(self, runner: StrategyRunner, update: Optional[StreamUpdate], stopped: Stop) -> FirstPlan:
+        """Return a shortest plan, or any plan if the time is limited."""
+        plan = self.log.plan
+        try:
+            if self._plan_time is None:
+                return FirstPlan(runner.run(shortest(runner, self.models, plan.horizon if plan else 0), stopped))
+            succeeds = update is not None and reports_only_success(update, self.snapshot.permanent)
+            return runner.run(FirstPlanSearch(runner, plan, succeeds).run(), stopped)
+        except StoppedError:
+            return FirstPlan(UNKNOWN)
+
+    def _shortened(self, runner: StrategyRunner, first: FirstPlan, end: float, stopped: Stop) -> Tuple[Reply, bool]:
+        """Return the best plan that is found until the processor time ``end``, and whether no plan is better."""
+
+        def is_over() -> bool:
+            """Return whether to accept the best plan so far."""
+            return stopped() or time.process_time() >= end
+
+        improvement = self._improving(first.reply.plan, runner.step - 1, first.least)
+        reply, better = first.reply, first.reply  # type: Reply, Optional[Reply]
+        while better is not None:
+            reply, better = better, runner.run(improvement.run(runner), is_over)
+        if self.models != 1:
+            with suppress(StoppedError):
+                reply = runner.run(all_answers(reply, self.models), stopped)
+        return reply, improvement.is_proven
+
+    def _improving(self, plan: Plan, step: int, first: int) -> Improvement:
+        """Return the running improvement of ``plan`` after ``step``, or a new one with the least horizon ``first``."""
+        if self._improvement is None or not self._improvement.moves_to(plan, step, first):
+            self._improvement = Improvement(plan, step, first)
+        return self._improvement
+
     def _result(
-        self, runner: StrategyRunner, found: SearchResult, warnings: Tuple[str, ...], spent: Dict[str, float]
+        self, runner: StrategyRunner, reply: Reply, proven: bool, warnings: Tuple[str, ...], spent: Dict[str, float]
     ) -> SolveResult:
-        reply, horizon = found.reply, runner.horizon
+        horizon = runner.horizon
         if reply.satisfiable:
             horizon = reply.horizon
         elif reply.hopeless:
@@ -152,8 +181,8 @@ class PlanSolver(PlanningSolver):
             (*warnings, *self._warnings(runner)),
             reply.permanent,
             spent,
-            found.proven,
-            self._predicted(runner, reply, found.proven),
+            proven,
+            self._predicted(runner, reply, proven),
         )
 
     def _runner(
@@ -213,14 +242,16 @@ class PlanSolver(PlanningSolver):
         if plan is None or plan.shortest or self.models != 1:
             return None
         halt = stopped or never
-        start, place = time.perf_counter(), (self.step, self.snapshot.min_horizon)
-        if self._improvement is None or not self._improvement.moves_to(plan, *place):
-            self._improvement = Improvement(plan, *place)
+        start, improvement = time.perf_counter(), self._improving(plan, self.step, self.snapshot.min_horizon)
         try:
             runner, returns = self._last_search(halt)
         except DroppedError:
             return None
-        reply = None if runner.grounding.is_cyclic else runner.run(self._improvement.run(runner), halt)
+        if runner.grounding.is_cyclic:
+            return None
+        reply = runner.run(improvement.run(runner), halt)
+        while reply is not None and reply.plan.rest(self.step) == plan.rest(self.step):
+            reply = runner.run(improvement.run(runner), halt)
         if reply is None:
             return None
         if not returns <= reply.predicted.returns:  # the returns since the search do not allow this plan

@@ -10,7 +10,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding, pieces
-from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Stop, StoppedError, Strategy, never
+from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError, Strategy, never
 from rosoclingo.planning.snapshot import Snapshot
 
 T = TypeVar("T")
@@ -142,8 +142,6 @@ class StrategyRunner:
         stopped = self.is_stopped
         if stopped():
             raise StoppedError
-        if question.until is not None and question.until():
-            return UNKNOWN
         self.ground(question.last)
         if stopped():
             raise StoppedError

@@ -2,8 +2,8 @@
 
 Each round asks for plans of several kinds:
 
+* Any shorter plan; of half the length if the plan is long, because the first plan can be many times too long.
 * The tasks of the plan in another *order*, see reorder.py. All actions are fixed; the solver checks the candidate.
-* Any plan of half the length, because the first plan can be many times too long.
 * A plan with a free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap
   by half.
 * If the program optimizes, a cheaper plan of the same length, with a free window of steps.
@@ -18,7 +18,6 @@ from typing import Iterator, Optional, Tuple
 
 from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Assumptions, Question, Reply, StoppedError, Strategy
-from rosoclingo.planning.strategies.cheaper import cheaper
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
@@ -31,6 +30,9 @@ CONFLICTS = 100
 
 MOST_CONFLICTS = 20_000
 """Limit of conflicts for a question in the last round; if this round finds nothing, the search is exhausted."""
+
+COST_CONFLICTS = 1000
+"""Limit of conflicts for computing the cost of a plan; most plans need few."""
 
 FEW_STEPS = 100
 """Greatest number of steps for which questions without ``#heuristic`` are worthwhile."""
@@ -45,7 +47,7 @@ class Improvement:
         self._random = Random(0)
         self._runner: StrategyRunner  # the runner of the last call
         self._present: Assumptions  # fix the actions up to the present step as executed
-        self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # the plan with its cost, and its grounding
+        self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # an answer with the plan's cost, and its grounding
         self._exhausted = False
         self._questions = self._rounds()
 
@@ -59,7 +61,7 @@ class Improvement:
         return same
 
     def run(self, runner: StrategyRunner) -> Strategy[Optional[Reply]]:
-        """Return the first better plan; None after a stop, or if the search is exhausted."""
+        """Return the first better plan, or the same plan with its cost; None after a stop, or if all is tried."""
         self._runner = runner
         # the first cycle that is not closed in the grounding can precede the present step
         cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
@@ -90,15 +92,24 @@ class Improvement:
         return None
 
     def _cheaper(self, question: Question) -> Strategy[Optional[Reply]]:
-        """Return a cheaper plan of the same length if ``question`` has such an answer."""
-        known = Reply(True, (self._plan.actions,), self._plan.horizon)
-        if self._costed is not None and self._costed[0] is self._runner:
-            known = self._costed[1]
-        given = [*self._present, *question.given]
-        found = yield from cheaper(known, self._runner, self._step, given, question.conflicts)
-        if found.cost:
-            self._costed = self._runner, found._replace(optimal=found.optimal and not question.given)
-        return found if found.plan.rest(self._step) != self._plan.rest(self._step) else None
+        """Return a cheaper plan of the same length if ``question`` has such an answer.
+
+        The first call only computes the cost of the plan; it returns the cheapest answer with the same actions.
+        """
+        last = self._plan.horizon
+        if self._costed is None or self._costed[0] is not self._runner:
+            given = self._plan.fixing(self._runner.actions(self._step, last))
+            found = yield Question(last, last, given, conflicts=COST_CONFLICTS, best=True, proven=False)
+            self._costed = self._runner, found._replace(optimal=False)
+            return found if found.satisfiable else None
+        known, given = self._costed[1], [*self._present, *question.given]
+        if not known.satisfiable:
+            return None
+        found = yield question._replace(first=last, given=given, proven=False)
+        if not found.satisfiable or found.cost > known.cost:
+            return None
+        self._costed = self._runner, found._replace(optimal=found.optimal and not question.given)
+        return found if found.cost < known.cost else None
 
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
@@ -106,7 +117,7 @@ class Improvement:
         """Yield questions until a round over the whole plan with the greatest limit finds nothing."""
         size, conflicts = SIZE, CONFLICTS
         optimizes = self._runner.program.optimizes
-        while self._length > 0 or (optimizes and not self._is_optimal):
+        while not self.is_proven:
             before = self._plan
             whole = size >= (self._plan.horizon - self._step if optimizes else self._length)
             yield from self._round(size, conflicts)
@@ -118,10 +129,7 @@ class Improvement:
             conflicts = min(conflicts * 2, MOST_CONFLICTS)
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
-        if self._length >= 2 * SIZE:
-            half = self._begin + self._length // 2
-            for advised in (True, False) if self._runner.program.advises and self._length <= FEW_STEPS else (True,):
-                yield Question(self._first, half, conflicts=2 * conflicts, advised=advised)
+        yield from self._shorter_plans(2 * conflicts)
         first = self._step + 1
         while first <= self._plan.horizon:
             if self._length > 0:
@@ -130,6 +138,17 @@ class Improvement:
             if self._runner.program.optimizes:
                 yield self._window(conflicts, first, first + size, earlier=0)
             first = max(self._step + 1, first + size // 2)
+
+    def _shorter_plans(self, conflicts: int) -> Iterator[Question]:
+        """Yield questions about any plan, of half the length if the plan is long, while these shorten the plan."""
+        shortened = True
+        while shortened and self._length > 0:
+            horizon = self._plan.horizon
+            few = self._length <= FEW_STEPS
+            last = self._begin + self._length // 2 if self._length >= 2 * SIZE else horizon - 1
+            for advised in (True, False) if self._runner.program.advises and few else (True,):
+                yield Question(self._first, last, conflicts=conflicts, advised=advised)
+            shortened = self._plan.horizon < horizon
 
     def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
         """Return the question for a plan in which the steps from ``first`` to ``end - 1`` are free.
@@ -153,6 +172,11 @@ class Improvement:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
             shortened = self._plan.horizon < horizon
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether it is proven that no plan is better."""
+        return self._length <= 0 and (self._is_optimal or not self._runner.program.optimizes)
 
     @property
     def _is_optimal(self) -> bool:

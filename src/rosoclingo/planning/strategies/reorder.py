@@ -23,7 +23,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Stop
 
-EFFORT = 40_000
+EFFORT = 10_000
 """Number of rounds of a search multiplied by the number of tasks."""
 
 REMOVED = 8

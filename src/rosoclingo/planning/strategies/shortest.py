@@ -1,29 +1,11 @@
 """The search for a shortest plan, which refutes all shorter horizons."""
 
-from typing import NamedTuple, Optional
-
 from rosoclingo.planning.question import Question, Reply, Strategy
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 
-class SearchResult(NamedTuple):
-    """The result of a search.
-
-    Attributes:
-        reply: the last reply, with the answers if there are any.
-        proven: whether all shorter horizons were refuted and the answer is optimal.
-        answered: the processor time of this process when the first acceptable answer was found; None stands for the end
-            of the search.
-
-    """
-
-    reply: Reply
-    proven: bool = False
-    answered: Optional[float] = None
-
-
-def shortest(runner: StrategyRunner, models: int, hint: int) -> Strategy[SearchResult]:
+def shortest(runner: StrategyRunner, models: int, hint: int) -> Strategy[Reply]:
     """Search the grounded horizons, then extend the grounding until there is an answer or the bound is reached.
 
     Args:
@@ -46,7 +28,12 @@ def shortest(runner: StrategyRunner, models: int, hint: int) -> Strategy[SearchR
             break
         reply = shorter
     if reply.satisfiable and (models != 1 or runner.program.optimizes):
-        reply = yield Question(reply.horizon, reply.horizon, models=models, best=True)
+        reply = yield from all_answers(reply, models)
     elif reply.satisfiable:
         reply = yield from trimmed(reply, runner, runner.step - 1, reply.horizon)
-    return SearchResult(reply, bool(reply.satisfiable))
+    return reply
+
+
+def all_answers(found: Reply, models: int) -> Strategy[Reply]:
+    """Return the best answers with the horizon of ``found``: at most ``models``, 0 for all."""
+    return (yield Question(found.horizon, found.horizon, models=models, best=True))

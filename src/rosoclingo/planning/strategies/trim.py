@@ -7,11 +7,11 @@ plan no superfluous actions, unless several robots act: each of them could do wh
 """
 
 from contextlib import suppress
-from typing import Generator, Optional
+from typing import Generator
 
 from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay
-from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError
+from rosoclingo.planning.question import Assumptions, Question, Reply, StoppedError
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 CONFLICTS = 1000
@@ -20,9 +20,7 @@ CONFLICTS = 1000
 _Trimmed = Generator[Question, Reply, Reply]
 
 
-def trimmed(
-    found: Reply, runner: StrategyRunner, step: int, first: int, present: Assumptions = (), until: Optional[Stop] = None
-) -> _Trimmed:
+def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()) -> _Trimmed:
     """Return the plan ``found`` without superfluous actions and idle steps after ``step``.
 
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A stop
@@ -36,7 +34,7 @@ def trimmed(
         others = [] if trusted else [one for one in runner.actions(step + 1, last) if one not in plan.actions]
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
         lacking = tuple(plan.actions if fewer else ())
-        return Question(first, last, given, lacking, conflicts=CONFLICTS, advised=not (advises and fewer), until=until)
+        return Question(first, last, given, lacking, conflicts=CONFLICTS, advised=not (advises and fewer))
 
     def without_idling(found: Reply) -> _Trimmed:
         """Return the plan without idle steps, or at least without idle steps at its end."""

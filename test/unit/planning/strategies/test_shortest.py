@@ -22,9 +22,7 @@ WORLDS = st.fixed_dictionaries(
 def run(answers, models=1, hint=0, block=1, **options):
     """Return the reply (None after a stop) and the questions."""
     world = FakeGrounding({horizon: [] for horizon in answers}, **{"most": 9, **options})
-    found, asked = world.run(lambda runner: shortest(runner, models, hint), block)
-    assert found is None or found.proven is (found.reply.satisfiable is True)
-    return found and found.reply, asked
+    return world.run(lambda runner: shortest(runner, models, hint), block)
 
 
 @given(st.lists(HORIZONS, max_size=3), WORLDS, st.integers(0, 14), st.sampled_from([1, 8]), st.sampled_from([0, 1]))

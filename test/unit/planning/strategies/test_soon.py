@@ -1,23 +1,20 @@
-"""The strategy for plans soon: its questions, and its time limit (see also test_walks.py)."""
+"""The search for a first plan: its questions, and the time for better plans (see also test_walks.py)."""
 
-from itertools import product
-from types import SimpleNamespace
-from unittest import mock
+from itertools import count
 
 import pytest
 from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
 from plain_walk import program_text
+from stream_play import processor_clock
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, parse_update
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
-from rosoclingo.planning.strategies.soon import TimeLimitedSearch
-
-FOREVER = float("inf")
+from rosoclingo.planning.strategies.soon import KEPT, FirstPlanSearch
 
 # ---- Questions -------------------------------------------------------------------------------------------------------
 
@@ -35,25 +32,16 @@ def plain(monkeypatch):
     monkeypatch.setattr(soon, "trimmed", as_found)
 
 
-def clock(read):
-    """Replace the processor time by ``read``."""
-    return mock.patch.object(soon, "time", SimpleNamespace(process_time=read))
-
-
 def plan(horizon, *cycles, shortest=False):
     return Plan(actions(*cycles), horizon, shortest)
 
 
-def run(plans, options, last=None, seconds=FOREVER, block=8, models=1, predicted=False):
-    """Return the plan's horizon (False: no plan, None: stopped), whether it is proven, and the questions."""
-    world = FakeGrounding(plans, **options)
-    with clock(world.time):
-        found, asked = world.run(
-            lambda runner: TimeLimitedSearch(runner, models, last, seconds, predicted).run(), block
-        )
-    if found is None:
-        return None, False, asked
-    return found.reply.satisfiable and found.reply.horizon, found.proven, asked
+def run(plans, options, last=None, block=8, predicted=False):
+    """Return the first plan (None after a stop), its horizon (False: no plan), and the questions."""
+    found, asked = FakeGrounding(plans, **options).run(
+        lambda runner: FirstPlanSearch(runner, last, predicted).run(), block
+    )
+    return found, found and found.reply.satisfiable and found.reply.horizon, asked
 
 
 HORIZONS = st.integers(2, 30)
@@ -71,63 +59,44 @@ LAST = st.none() | st.builds(lambda horizon, cycles: plan(horizon, *cycles), HOR
 
 
 @given(st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3), WORLDS, LAST, st.sampled_from([1, 8]))
-def test_soon_returns_the_best_plan_when_stopped(plans, world, last, block):
-    """With enough time the plan is proven; a stop or timeout returns the best plan so far."""
+def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
+    """Without steps that can invalidate answers, the plan is shortest; a stop ends the search."""
     reachable = [horizon for horizon in plans if horizon <= world["most"]]
-    best, proven, asked = run(plans, world, last, block=block)
-    assert (best, proven) == (min(reachable, default=False), bool(reachable))
-    early, proven, first = run(plans, world, last, seconds=0, block=block)
-    assert early in (reachable or [False])
-    assert not proven or early == best
-    for number, cut in product(range(asked.count("..")), (False, True)):
-        early, proven, _ = run(plans, {**world, "halts": number, "cut": cut}, last, block=block)
-        known = reachable and number >= first.count("..") + cut
-        assert early in reachable if known else early in (None, *reachable)
-        assert not proven or early == best
+    found, horizon, asked = run(plans, world, last, block)
+    assert horizon in (reachable or [False])
+    assert found.least <= min(reachable, default=100)
+    for number in range(asked.count("..")):
+        stopped, horizon, _ = run(plans, {**world, "halts": number, "cut": True}, last, block)
+        assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
-def cases(*rows):
-    """Parametrize by plans, options of the grounding, settings of the search, and expected questions."""
-    return pytest.mark.parametrize(("plans", "options", "settings", "asked"), rows)
-
-
-NOW = {"seconds": 0}
 ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
 
 
 @pytest.mark.usefixtures("plain")
-@cases(
-    # grow by half (a quarter with heuristics), at least one block; also ask the lowest horizon alone
-    ({50: [50]}, {"horizon": 41, "hard": {1: 150}}, NOW, "1..41/100 1..1/100 >61 1..61/100"),
-    ({20: [20]}, ADVISED, NOW, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
-    # ground a quarter more steps than the program claims, in pieces; the claim is not trusted
-    ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100 16..21/100"),
-    # search each horizon before growing if further steps can exclude answers
-    ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
-    # shorter plans and proofs; the conflict limit doubles
-    (
-        {9: [9], 4: [4]},
-        {"horizon": 9, "hard": {1: 150, 2: 350}},
-        {},
-        "1..9/100 1..8/100 1..1/100 1..3/100 1..1/100 1..3/200 1..1/200 2..3/200 2..2/200 2..3/400",
-    ),
-    # optimal or several answers at the horizon of the plan
-    ({9: [9]}, {"horizon": 9}, {"models": 0}, "1..9/100 1..8/100 9..9!0"),
-    ({9: [9]}, {"horizon": 9}, {"models": 2, **NOW}, "1..9/100 9..9!2"),
-    ({9: [9]}, {"horizon": 9, "optimizes": True}, {}, "1..9/100 1..8/100 9..9+9-1-2-3-4-5-6-7-8/1000! 9..9!"),
-    ({9: [9]}, {"horizon": 9, "optimizes": True}, {"seconds": 1}, "1..9/100"),
-    # no plan
-    ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
-    # the rest of the last plan, unchanged or one step later; then with more actions; then any plan
-    ({3: [2, 3]}, {"step": 2, "horizon": 5}, {"last": plan(4, 1, 2, 3), **NOW}, "3..4+2+3-4-5/100"),
-    ({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, {"last": plan(4, 1, 2, 3, 4), **NOW}, ">4 4..4+2+3+4/100"),
-    ({4: [2, 4]}, {"step": 2, "horizon": 4}, {"last": plan(2, 1, 2), **NOW}, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
-    (
-        {3: [3]},
-        {"step": 2, "horizon": 3, "most": 3},
-        {"last": plan(4, 1, 2, 3, 4), **NOW},
-        "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3",
-    ),
+@pytest.mark.parametrize(
+    ("plans", "options", "settings", "asked"),
+    [
+        # grow by half (a quarter with heuristics), at least one block; also ask the lowest horizon alone
+        ({50: [50]}, {"horizon": 41, "hard": {1: 150}}, {}, "1..41/100 1..1/100 >61 1..61/100"),
+        ({20: [20]}, ADVISED, {}, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
+        # ground a quarter more steps than the program claims, in pieces
+        ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100"),
+        # search each horizon before growing if further steps can exclude answers
+        ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
+        # no plan
+        ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
+        # the rest of the last plan, unchanged or one step later; then with more actions; then any plan
+        ({3: [2, 3]}, {"step": 2, "horizon": 5}, {"last": plan(4, 1, 2, 3)}, "3..4+2+3-4-5/100"),
+        ({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, {"last": plan(4, 1, 2, 3, 4)}, ">4 4..4+2+3+4/100"),
+        ({4: [2, 4]}, {"step": 2, "horizon": 4}, {"last": plan(2, 1, 2)}, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
+        (
+            {3: [3]},
+            {"step": 2, "horizon": 3, "most": 3},
+            {"last": plan(4, 1, 2, 3, 4)},
+            "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3",
+        ),
+    ],
 )
 def test_soon_increases_the_effort_of_its_questions(plans, options, settings, asked):
     assert run(plans, options, **settings)[2] == asked
@@ -143,23 +112,23 @@ def test_soon_increases_the_effort_of_its_questions(plans, options, settings, as
 )
 def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
     options = {"horizon": steps, "hard": {1: needed}, "most": 600, "advises": True, "halts": asked.count("/")}
-    assert run({}, options) == (None, False, asked)
+    assert run({}, options) == (None, None, asked)
 
 
 @pytest.mark.parametrize(
-    ("last", "predicted", "least"),
+    ("last", "predicted", "share"),
     [
-        (plan(9, 9), True, 9),
-        (plan(9, 9, shortest=True), True, 7),
-        (plan(9, 9), False, 7),
-        (plan(5, 5), True, 3),
-        (plan(3, 2, shortest=True), True, 3),
+        (plan(9, 9), True, 0.0),
+        (plan(9, 9, shortest=True), True, KEPT),
+        (plan(9, 9), False, KEPT),
+        (plan(5, 5), True, 1.0),
+        (plan(3, 2, shortest=True), True, 1.0),
     ],
 )
 @pytest.mark.usefixtures("plain")
-def test_soon_spends_a_tenth_on_shortening_valid_plans(last, predicted, least):
+def test_soon_leaves_a_tenth_for_shortening_valid_plans(last, predicted, share):
     """Predicted plans not proven shortest are kept; without a valid plan the full time is used."""
-    assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, seconds=20, predicted=predicted)[0] == least
+    assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, predicted=predicted)[0].share == share
 
 
 # ---- In the solver ---------------------------------------------------------------------------------------------------
@@ -167,14 +136,14 @@ def test_soon_spends_a_tenth_on_shortening_valid_plans(last, predicted, least):
 
 @pytest.mark.parametrize("news", ["", "_request(0,2)."])
 def test_soon_does_not_shorten_predicted_plans(news, searches):
-    ticks = iter([0.0, 2.0])  # the clock stops at the last value
+    ticks = count(0.0)
     solver = PlanSolver(ReactiveProgram.from_text(program_text()), plan_time=1.0)
-    with clock(lambda: next(ticks, 2.0)):
+    with processor_clock(lambda: next(ticks)):
         first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
     (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
     assert not first.shortest
     searches.clear()
-    with clock(lambda: 2.0):
+    with processor_clock(lambda: 2.0):
         result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
     assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
@@ -231,7 +200,7 @@ def test_soon_returns_the_best_answer_in_time(monkeypatch):
 
     monkeypatch.setattr(Grounding, "ask", asked)
     solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=1.0)
-    with clock(now):
+    with processor_clock(now):
         result = solver.update(StreamUpdate(1))
     assert result.outcome is SolveOutcome.SATISFIABLE
     assert result.answers[0] == before[0].shown != before[1]

@@ -1,21 +1,18 @@
 """Random streams of a robot on a line: plans soon and their improvements, compared with a reference."""
 
 from itertools import count
-from types import SimpleNamespace
-from unittest import mock
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_walk import Walk, program_text
 from stream_logs import copied
-from stream_play import delay_plan, stop_after
+from stream_play import delay_plan, processor_clock, stop_after
 from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.strategies import soon
 
 FOREVER = float("inf")
 PROGRAMS = {advice: ReactiveProgram.from_text(program_text(advice)) for advice in (False, True)}
@@ -31,7 +28,7 @@ def play(solver, news, bound, improve):
     for wanted, fails in news:
         done = frozenset(one for one in left.actions if cycle_of(one) == walk.step) if left else frozenset()
         before = left and left._replace(actions=left.actions - done)
-        with mock.patch.object(soon, "time", SimpleNamespace(process_time=count(0.0).__next__)):
+        with processor_clock(count(0.0).__next__):
             result = solver.update(walk.update(wanted, fails, done, bound))
         assert result.step == walk.step
         yield walk, result, before
