@@ -285,18 +285,13 @@ class Grounding(StepwiseGrounding):
             self._control.assign_external(fact, fact in question.asserted)
         self._asserted = question.asserted
         assumed: List[Any] = [*blameable, *horizon, *question.given]  # clasp prefers the first ones in cores
-        blames = bool(blameable) and not question.brief
         limits = SearchLimits(question.models, question.conflicts, question.best, question.advised)
         answers: List[Reply] = []
         this = proxy(self)  # the control holds the callback; a reference cycle would delay its release
         with refusing(self.messages, self.program):
-            if question.brief:
-                result = self._clasp.run_in_place(limits, assumed, lambda model: this._keep(model, question, answers))
-                core: List[int] = []
-            else:
-                result, core = self._clasp.run(
-                    limits, assumed, lambda model: this._keep(model, question, answers), stopped, with_core=blames
-                )
+            result, core = self._clasp.run(
+                limits, assumed, lambda model: this._keep(model, question, answers), stopped, bool(blameable)
+            )
         for literal in lacking:
             self._session.release(literal)
         if (result.interrupted or result.unknown) and (question.proven or not answers):
@@ -309,7 +304,7 @@ class Grounding(StepwiseGrounding):
             # A statement that lapses could end the conflict.
             lasts = all(one.lifetime == FOREVER for one in self.snapshot.timed_statements)
             return Reply(False, hopeless=True, permanent=lasts)
-        if not blames:
+        if not blameable:
             return Reply(False)
         blame = set(core)
         timeless = not question.given and not lacking and blame.isdisjoint(horizon)

@@ -40,8 +40,6 @@ class Question(NamedTuple):
         best: compute only optimal answers, if the program optimizes.
         proven: require a proof of optimality; otherwise accept the best answer found before the stop.
         advised: use the ``#heuristic`` statements.
-        brief: solve without a thread, which is faster. No stop is polled then, so ``conflicts`` has to be small, and
-            the reply has no unsat core.
         shows: compute the shown atoms of each answer.
         differ: any two answers differ in at least one of these atoms.
         reads: functions to apply to the model of each answer.
@@ -61,7 +59,6 @@ class Question(NamedTuple):
     best: bool = False
     proven: bool = True
     advised: bool = True
-    brief: bool = False
     shows: bool = True
     differ: Sequence[clingo.Symbol] = ()
     reads: Sequence[Read] = ()

@@ -5,7 +5,7 @@ verification uses this to explore many streams of one program.
 """
 
 from dataclasses import replace
-from typing import Any, Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 
@@ -27,9 +27,6 @@ Readers = Callable[[Grounding, int], Sequence[Read]]
 
 _FIRST, _GROWTH = 16, 2
 """Steps of the first grounding, and the factor by which further ones are longer."""
-
-_BRIEFLY: Dict[str, Any] = {"believes": False, "brief": True, "conflicts": 20_000}
-"""Options of questions: a limit of conflicts between two polls of the stop."""
 
 _MOST = 16
 """Greatest number of answers of one update with different present actions."""
@@ -146,12 +143,10 @@ class Streams:
         return question._replace(first=reply.horizon, last=reply.horizon) if reply.satisfiable else None
 
     def _ask(self, grounding: Grounding, question: Question) -> Reply:
-        while True:
-            reply = grounding.ask(question, self._halt)
-            if reply.satisfiable is not None:
-                return reply
-            if self._halt():
-                raise StoppedError
+        reply = grounding.ask(question, self._halt)
+        if reply.satisfiable is None:
+            raise StoppedError
+        return reply
 
     def _grounding(self, last: int) -> Grounding:
         """Return a grounding of at least ``last`` steps."""
@@ -180,7 +175,7 @@ def _question(grounding: Grounding, snapshot: Snapshot, facts: FrozenSet[clingo.
         for atom in grounding.actions(cycle, cycle)
     )
     disabled = grounding.assumable - facts
-    return Question(0, 0, tuple(given), kept=committed, disabled=disabled, shows=False, **_BRIEFLY)
+    return Question(0, 0, tuple(given), kept=committed, disabled=disabled, believes=False, shows=False)
 
 
 def redate(fact: clingo.Symbol, cycle: int) -> clingo.Symbol:

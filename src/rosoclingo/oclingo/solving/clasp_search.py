@@ -54,11 +54,6 @@ class ClaspSearch:
             result = handle.get()
             return result, handle.core() if with_core and result.satisfiable is False else []
 
-    def run_in_place(self, limits: SearchLimits, assumed: Assumed, on_model: OnModel) -> clingo.SolveResult:
-        """Search in the calling thread, which nothing can stop: ``limits`` must end it soon."""
-        self._configure(limits)
-        return self._control.solve(assumptions=assumed, on_model=on_model)
-
     def _configure(self, limits: SearchLimits) -> None:
         """Set only the options that differ from the last search, as setting an option is slow."""
         conflicts = "umax" if limits.conflicts is None else str(limits.conflicts)
