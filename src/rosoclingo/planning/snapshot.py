@@ -8,13 +8,11 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import FAILED, RETURN, RUNNING
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import with_their_failures
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
+from rosoclingo.oclingo.progression.lifetimes import UPDATE
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import CloseCycles, Statement, StreamUpdate
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL
-from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StreamState, TimedStatement
-
-_NUMBER = clingo.SymbolType.Number
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StreamState
 
 
 @dataclass(frozen=True)
@@ -89,17 +87,6 @@ class Snapshot(StreamState):
         return any(program.can_mention(atom, self.step + 1) for one in rules for atom in one.atoms)
 
     # ---- Changes -----------------------------------------------------------------------------------------------------
-
-    def with_least_horizon(self) -> "Snapshot":
-        """Return the snapshot with the least horizon that includes all steps mentioned in statements.
-
-        The snapshot is unchanged if a statement can lapse or steps were forgotten.
-        """
-        if any(not isinstance(one, TimedStatement) or one.lifetime not in (FOREVER, UPDATE) for one in self.items):
-            return self
-        atoms = (atom for one in self.statements for atom in one.atoms)
-        numbers = [value.number for atom in atoms for value in atom.arguments if value.type is _NUMBER]
-        return replace(self, horizon=min(self.horizon, max([self.step, self.min_horizon, *numbers])))
 
     def without_facts(self, facts: FrozenSet[clingo.Symbol]) -> "Snapshot":
         """Return the snapshot as if ``facts`` had not been asserted; an action among them was not executed.

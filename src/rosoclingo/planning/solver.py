@@ -307,7 +307,7 @@ class PlanSolver(PlanningSolver):
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # no cache remains after an error
         if probed is None or probed.key != key or probed.runner.block == 1:
-            snapshot = self.snapshot.with_least_horizon().with_update(unbounded, self.program)
+            snapshot = self.snapshot.with_update(unbounded, self.program)
             probed = _Cached(key, self._runner(replace(snapshot, bound=None), halt, assumable))
         runner = probed.runner
         last = runner.last(None if update.bound is None else runner.step + update.bound)
