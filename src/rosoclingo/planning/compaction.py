@@ -25,22 +25,25 @@ from rosoclingo.oclingo.solving.results import Answer
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StateItem, TimedStatement
 from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
+from rosoclingo.planning.history import Plan
+from rosoclingo.planning.question import Question, Stop, never
 from rosoclingo.planning.snapshot import Past, Snapshot
-
-LEAST_STEPS = 16
-"""Least number of steps to compact."""
 
 SHOWN_STEPS = 10
 """Number of compacted steps whose shown atoms answers still contain."""
 
 
-def compacted(grounding: Grounding, snapshot: Snapshot) -> Optional[Snapshot]:
-    """Return the ``snapshot`` of a search without its decided steps; None if no step is decided.
+def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped: Stop = never) -> Optional[Snapshot]:
+    """Return the ``snapshot`` without its decided steps; None if no step is decided.
 
-    Undefined externals of past steps become false. No step is decided while a statement can lapse.
+    Undefined externals of past steps become false. No step is decided while a statement can lapse. ``plan`` is the plan
+    in force. Raises like :class:`Grounding`.
     """
-    start, end = grounding.past.first, end_of_past(grounding.program, snapshot)
-    if end <= start or grounding.shown is None or grounding.is_cyclic or any(snapshot.lapsing):
+    start, end = first_open(program, snapshot), end_of_past(program, snapshot)
+    if end <= start or any(snapshot.lapsing):
+        return None
+    grounding = _past(program, snapshot, plan, dropped)
+    if grounding.shown is None or grounding.is_cyclic:
         return None
     grounding.forget(start, end - 1, base=False)
     statements = [one.statement for one in grounding.statements]
@@ -48,6 +51,19 @@ def compacted(grounding: Grounding, snapshot: Snapshot) -> Optional[Snapshot]:
     heads = {one.head for one in statements}
     fixed = fixed_atoms(grounding, end, heads - facts)
     return _without_fixed_steps(grounding, snapshot, fixed, facts) if fixed.first > start else None
+
+
+def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped: Stop) -> Grounding:
+    """Return a grounding of the past and present steps, with an answer for the actions of ``plan``.
+
+    The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
+    """
+    step = snapshot.step
+    grounding = Grounding(program, replace(snapshot, horizon=step), step, dropped=dropped)
+    horizon = step + max(program.windows)
+    actions = plan.fixing(grounding.actions(program.first_step, step))
+    grounding.ask(Question(horizon, horizon, actions, believes=False), never)
+    return grounding
 
 
 def recent_atoms(answer: Answer, step: int, program: ReactiveProgram) -> Answer:
@@ -65,6 +81,11 @@ def recent_atoms(answer: Answer, step: int, program: ReactiveProgram) -> Answer:
         return atom.arguments[position].number >= step - SHOWN_STEPS
 
     return frozenset(filter(is_recent, answer))
+
+
+def first_open(program: ReactiveProgram, snapshot: Snapshot) -> int:
+    """Return the first step that is not compacted."""
+    return program.first_step if snapshot.past is None else snapshot.past.first
 
 
 def end_of_past(program: ReactiveProgram, snapshot: Snapshot) -> int:

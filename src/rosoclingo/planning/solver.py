@@ -17,12 +17,12 @@ from rosoclingo.oclingo.program.update_reader import reports_only_success
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
-from rosoclingo.planning.compaction import LEAST_STEPS, compacted, end_of_past, recent_atoms
+from rosoclingo.planning.compaction import compacted, end_of_past, first_open, recent_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, Plan
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Question, Reply, Stop, StoppedError, never
+from rosoclingo.planning.question import UNKNOWN, Reply, Stop, StoppedError, never
 from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
@@ -33,6 +33,9 @@ from rosoclingo.planning.strategy_runner import StrategyRunner
 
 BLOCK = 8
 """Number of steps to ground at once if further steps leave answers valid."""
+
+LEAST_STEPS = 16
+"""Least number of past steps to compact."""
 
 MANY_STEPS = 64
 """Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
@@ -129,7 +132,13 @@ class PlanSolver(PlanningSolver):
         self.log = self.log.with_entries(AcceptedUpdate(update, result.horizon if result.answers else runner.horizon))
         self._searched = _Cached(self.log.key, runner)
         self._adopt(result)
-        self._append_checkpoint(None if runner.follows else runner.grounding, always=False)
+        if not result.answers:
+            self._checked_until = end_of_past(self.program, self.snapshot)  # a later update can correct these steps
+        if self._steps_to_check >= MANY_STEPS:
+            with suppress(DroppedError):
+                self.checkpoint()
+        elif self.log.is_longer(self._log_limit, self.snapshot):
+            self._replace_log(self.log.checkpoint(self.snapshot))
         return result
 
     def _first_plan(self, runner: StrategyRunner, update: Optional[StreamUpdate], stopped: Stop) -> FirstPlan:
@@ -150,7 +159,7 @@ class PlanSolver(PlanningSolver):
             """Return whether to accept the best plan so far."""
             return stopped() or time.process_time() >= end
 
-        improvement = self._improving(first.reply.plan, runner.step - 1, first.least)
+        improvement = self._improvement = Improvement(first.reply.plan, runner.step - 1, first.least)
         reply, better = first.reply, first.reply  # type: Reply, Optional[Reply]
         while better is not None:
             reply, better = better, runner.run(improvement.run(runner), is_over)
@@ -158,12 +167,6 @@ class PlanSolver(PlanningSolver):
             with suppress(StoppedError):
                 reply = runner.run(all_answers(reply, self.models), stopped)
         return reply, improvement.is_proven
-
-    def _improving(self, plan: Plan, step: int, first: int) -> Improvement:
-        """Return the running improvement of ``plan`` after ``step``, or a new one with the least horizon ``first``."""
-        if self._improvement is None or not self._improvement.moves_to(plan, step, first):
-            self._improvement = Improvement(plan, step, first)
-        return self._improvement
 
     def _result(
         self, runner: StrategyRunner, reply: Reply, proven: bool, warnings: Tuple[str, ...], spent: Dict[str, float]
@@ -242,7 +245,9 @@ class PlanSolver(PlanningSolver):
         if plan is None or plan.shortest or self.models != 1:
             return None
         halt = stopped or never
-        start, improvement = time.perf_counter(), self._improving(plan, self.step, self.snapshot.min_horizon)
+        start, improvement, place = time.perf_counter(), self._improvement, (self.step, self.snapshot.min_horizon)
+        if improvement is None or not improvement.moves_to(plan, *place):
+            improvement = self._improvement = Improvement(plan, *place)
         try:
             runner, returns = self._last_search(halt)
         except DroppedError:
@@ -327,37 +332,16 @@ class PlanSolver(PlanningSolver):
 
     def checkpoint(self, stopped: Stop = never) -> None:
         """Append a checkpoint to the history; compact past steps if there are enough."""
-        if not stopped():
-            plan, enough = self.log.plan, self._steps_to_check >= LEAST_STEPS
-            self._append_checkpoint(self._past(plan) if enough and plan is not None else None, always=True)
-
-    def _past(self, plan: Plan) -> Grounding:
-        """Return a grounding of the past and present steps, with an answer for the actions of ``plan``.
-
-        The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
-        """
-        step = self.step
-        grounding = Grounding(self.program, replace(self.snapshot, horizon=step), step, dropped=self._dropped)
-        horizon = step + max(self.program.windows)
-        actions = plan.fixing(grounding.actions(self.program.first_step, step))
-        grounding.ask(Question(horizon, horizon, actions, believes=False), never)
-        return grounding
+        if stopped():
+            return
+        snapshot, plan, compact = self.snapshot, self.log.plan, None
+        if plan is not None and self._steps_to_check >= LEAST_STEPS:
+            compact = compacted(self.program, snapshot, plan, self._dropped)
+            self._checked_until = 0 if compact is not None else end_of_past(self.program, snapshot)
+        self._replace_log(self.log.checkpoint(compact or snapshot))
 
     @property
     def _steps_to_check(self) -> int:
         """The number of past grounded steps that were not checked for compaction."""
-        snapshot = self.snapshot
-        first = self.program.first_step if snapshot.past is None else snapshot.past.first
-        return end_of_past(self.program, snapshot) - max(first, self._checked_until)
-
-    def _append_checkpoint(self, grounding: Optional[Grounding], always: bool) -> None:
-        """Append a checkpoint to the history if it is long or steps can be compacted, or ``always``.
-
-        ``grounding`` is a grounding of the history with an answer.
-        """
-        snapshot, compact = self.snapshot, None
-        if grounding is not None and self._steps_to_check >= (LEAST_STEPS if always else MANY_STEPS):
-            compact = compacted(grounding, snapshot)
-            self._checked_until = 0 if compact is not None else end_of_past(self.program, snapshot)
-        if compact is not None or always or self.log.is_longer(self._log_limit, snapshot):
-            self._replace_log(self.log.checkpoint(compact or snapshot))
+        first = max(first_open(self.program, self.snapshot), self._checked_until)
+        return end_of_past(self.program, self.snapshot) - first

@@ -2,14 +2,13 @@
 
 import pytest
 
-from rosoclingo.planning import compaction, grounding, solver
+from rosoclingo.planning import grounding, solver
 from rosoclingo.planning.grounding import Grounding
 
 
 @pytest.fixture
 def compacts_at_once(monkeypatch):
-    """Compact as much as possible after each update, and ground step by step."""
-    monkeypatch.setattr(compaction, "LEAST_STEPS", 1)
+    """Compact as much as possible after each search, and ground step by step."""
     monkeypatch.setattr(solver, "LEAST_STEPS", 1)
     monkeypatch.setattr(solver, "MANY_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
