@@ -7,23 +7,24 @@ from clingo import Symbol
 
 from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record, codec
+from rosoclingo.reasoning.records import PersistentPart, Record, codec, tables
 
 #: Maximum number of goals, and maximum size of their record in bytes; the latest goals are recorded first.
 KEPT, ROOM = 20, 256 * 1024
 
 
-_encode, _decode = codec(GoalUnmet)
+_CODEC = codec(GoalUnmet)
 
 
 class AbortedGoals(PersistentPart):
     """Keeps the last :data:`KEPT` unmet goals; a record contains the latest of them, up to :data:`ROOM` bytes."""
 
     GROUP = "aborted"
+    TABLES = tables(_recorded=("unmet", str, dict))
 
     def __init__(self) -> None:
         self._goals: Dict[str, GoalUnmet] = {}
-        self._recorded: PersistentTable[str, Record] = PersistentTable("unmet", str, dict)
+        self._recorded: Dict[str, Record] = {}
 
     def add(self, event: GoalUnmet) -> None:
         """Add a goal as the latest one."""
@@ -32,10 +33,10 @@ class AbortedGoals(PersistentPart):
         self._goals[event.key] = event
         if len(self._goals) > KEPT:
             del self._goals[next(iter(self._goals))]
-        row = _encode(event)
+        row = _CODEC.encode(event)
         self._recorded[event.key] = {**row, "size": len(json.dumps(row))}
         while len(self._recorded) > KEPT or sum(one["size"] for one in self._recorded.values()) > ROOM:
-            self._recorded.popitem()
+            del self._recorded[next(iter(self._recorded))]
 
     @property
     def terms(self) -> List[Symbol]:
@@ -53,4 +54,4 @@ class AbortedGoals(PersistentPart):
     def restore(self, record: Record) -> None:
         """Restore the goals of a record."""
         super().restore(record)
-        self._goals = {key: _decode(row) for key, row in self._recorded.items()}
+        self._goals = {key: _CODEC.decode(row) for key, row in self._recorded.items()}

@@ -2,13 +2,13 @@
 
 import math
 from statistics import median
-from typing import NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from clingo import Function, Number, Symbol
 
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import TAKES, Action
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable
+from rosoclingo.reasoning.records import PersistentPart, tables
 
 #: Number of the latest durations of an action that count.
 LATEST = 9
@@ -37,11 +37,11 @@ class Durations(PersistentPart):
     """
 
     GROUP = "durations"
+    TABLES = tables(_known=("lasts", Symbol, _Statistics))
 
     def __init__(self, feeder: InputFeeder) -> None:
         self._feeder = feeder
-        # by the term (A,P), the latest ones last
-        self._known: PersistentTable[Symbol, _Statistics] = PersistentTable("lasts", Symbol, _Statistics)
+        self._known: Dict[Symbol, _Statistics] = {}  # by the term (A,P), the latest ones last
 
     def learn(self, action: Action, seconds: float) -> None:
         """Add the duration of a successful action."""
@@ -49,7 +49,8 @@ class Durations(PersistentPart):
             before = self._known.pop(name, _Statistics())
             self._known[name] = before._replace(seconds=(*before.seconds, seconds)[-LATEST:])
         while len(self._known) > MOST:
-            self._withdraw(*self._known.popitem())  # the first one
+            oldest = next(iter(self._known))
+            self._withdraw(oldest, self._known.pop(oldest))
 
     def expected(self, action: Action) -> Optional[float]:
         """Return the expected seconds of an action, None if nothing is known about its interface."""

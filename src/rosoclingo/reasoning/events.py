@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, FrozenSet, Iterable, Optional, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, Optional, Tuple
 
 from clingo import Symbol
 
@@ -11,7 +11,7 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.present import Present
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record, fields
+from rosoclingo.reasoning.records import PersistentPart, Record, fields, tables
 
 
 @dataclass(frozen=True)
@@ -170,11 +170,12 @@ class Announcer(PersistentPart):
 
     GROUP = "announced"
     FIELDS = fields(published=int)
+    TABLES = tables(_recorded=("believed", Symbol, type(None)))
 
     def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
         self._emit, self._cycle, self._present = observer, cycle, present
         self.state: Optional[FrozenSet[Symbol]] = None
-        self._recorded: PersistentTable[Symbol, None] = PersistentTable("believed", Symbol, type(None))
+        self._recorded: Dict[Symbol, None] = {}
         self.published = 0
 
     def restore(self, record: Record) -> None:
@@ -200,7 +201,8 @@ class Announcer(PersistentPart):
         state = self._present.of(result.answers[0], cycle) if result.answers else self.state
         if state != self.state:
             self.state = state
-            self._recorded.match(dict.fromkeys(state or ()))
+            kept = [atom for atom in self._recorded if state and atom in state]
+            self._recorded = dict.fromkeys((*kept, *(state or ())))
             self.present()
 
     def present(self) -> None:

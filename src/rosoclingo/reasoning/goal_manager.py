@@ -1,6 +1,6 @@
 """The goal manager: it checks the goals of clients, passes them to the feeder and ends them with a reason."""
 
-from typing import Callable, Container, Iterable, List, Optional, Sequence
+from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
 
 from clingo import Symbol
 
@@ -12,7 +12,7 @@ from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, GoalState, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
 from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record
+from rosoclingo.reasoning.records import PersistentPart, Record, tables
 from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -26,6 +26,7 @@ class GoalManager(PersistentPart):
     """
 
     GROUP = "goals"
+    TABLES = tables(_goals=("goal", str, Goal))
 
     def __init__(
         self,
@@ -39,8 +40,7 @@ class GoalManager(PersistentPart):
         self._feeder = feeder
         self._emit = emit
         self._cycle = cycle
-        # the live goals by their handles, oldest first
-        self._goals: PersistentTable[str, Goal] = PersistentTable("goal", str, Goal, mutable=True)
+        self._goals: Dict[str, Goal] = {}  # the live goals by their handles, oldest first
         self._now = 0.0
         self.queue = Admission(
             lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout

@@ -25,7 +25,7 @@ from rosoclingo.oclingo.progression.updates import Expire, Item, Withdraw
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.keywords import NOW, Action, cancellation, request, success_of
 from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.records import Codec, PersistentPart, PersistentTable, fields, symbol_of, text_of
+from rosoclingo.reasoning.records import Codec, PersistentPart, fields, symbol_of, tables, text_of
 
 #: Maximum number of cycles for the messages of one origin in an update; older messages take effect in the first cycle.
 MOST_TURNS = 16
@@ -43,6 +43,7 @@ Request = Union[Goal, Symbol]
 _REQUESTS = Codec(
     lambda requests: [{"goal": one.key} if isinstance(one, Goal) else text_of(one) for one in requests],
     lambda rows: [one if isinstance(one, dict) else symbol_of(one) for one in rows],
+    mutable=True,
 )
 
 
@@ -167,12 +168,13 @@ class InputFeeder(PersistentPart):
         _room=Optional[int],
         arrivals=int,
     )
+    TABLES = tables(_facts=("fact", Symbol, Observation))
 
     def __init__(self, clock: Optional[Clock] = None) -> None:
         self._clock = clock or Clock()
         self._requests: List[Request] = []
         self._rejected: List[Symbol] = []
-        self._facts: PersistentTable[Symbol, Observation] = PersistentTable("fact", Symbol, Observation)
+        self._facts: Dict[Symbol, Observation] = {}
         self._executed: Tuple[Action, ...] = ()
         self._withdrawn: FrozenSet[Symbol] = frozenset()
         self._room: Optional[int] = None  # maximum number of omitted facts in an update, None if there are none

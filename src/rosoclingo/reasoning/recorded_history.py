@@ -3,7 +3,7 @@
 from typing import Dict, List
 
 from rosoclingo.planning.history import Checkpoint, Entry, History
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable, Record
+from rosoclingo.reasoning.records import PersistentPart, Record, tables
 
 
 class RecordedHistory(PersistentPart):
@@ -15,24 +15,23 @@ class RecordedHistory(PersistentPart):
     """
 
     GROUP = "history"
+    TABLES = tables(_entries=("log", str, Entry))
 
     def __init__(self) -> None:
         self.history = History()
         self._names: Dict[History, str] = {}  # the name of the last entry
         self._count = 0
-        self._entries: PersistentTable[str, Entry] = PersistentTable("log", str, Entry)
+        self._entries: Dict[str, Entry] = {}
 
     def follow(self, history: History) -> None:
         """Continue with a new ``history``."""
-        entries: Dict[str, Entry] = {}
-        names, self._names = self._names, {}
+        names, self._names, self._entries = self._names, {}, {}
         for one in _needed(history):
             assert one.entry is not None
             self._count += one not in names
             self._names[one] = names.get(one, str(self._count))
-            entries[self._names[one]] = one.entry
+            self._entries[self._names[one]] = one.entry
         self.history = history
-        self._entries.match(entries)
 
     def restore(self, record: Record) -> None:
         """Restore the history from its rows."""

@@ -15,11 +15,8 @@ from typing import (
     Iterator,
     List,
     Mapping,
-    MutableMapping,
     NamedTuple,
-    Optional,
     Tuple,
-    TypeVar,
     Union,
     get_args,
     get_origin,
@@ -32,9 +29,6 @@ from rosoclingo.planning.explaining.questions import Stream, stream_from_message
 from rosoclingo.planning.history import Entry, entry_from_message, entry_to_message
 from rosoclingo.planning.text import symbol_list, symbols_to_text
 from rosoclingo.reasoning.keywords import Action, Return, action_of, return_of
-
-K = TypeVar("K")
-V = TypeVar("V")
 
 #: Rows by name, in order.
 Record = Dict[str, Any]
@@ -68,10 +62,11 @@ def _parse(text: str) -> Symbol:
 
 
 class Codec(NamedTuple):
-    """A conversion of values to JSON values, and back."""
+    """A conversion of values to JSON values, and back; ``mutable``: values can change in place."""
 
     encode: Callable[[Any], Any]
     decode: Callable[[Any], Any]
+    mutable: bool = False
 
 
 def _same(value: Any) -> Any:
@@ -101,16 +96,21 @@ def codec(hint: Any) -> Codec:
     items = [codec(one) for one in get_args(hint) if one not in (..., type(None))]
     kind = get_origin(hint)
     if kind is Union:
-        encode, decode = items[0]
-        return Codec(lambda one: None if one is None else encode(one), lambda one: None if one is None else decode(one))
+        encode, decode, mutable = items[0]
+        some = Codec(lambda one: None if one is None else encode(one), lambda one: None if one is None else decode(one))
+        return some._replace(mutable=mutable)
     if kind is not None:
-        encode, decode = items[0]
+        encode, decode, _ = items[0]
         order = sorted if kind in (set, frozenset) else iter  # type: Callable[[Any], Iterable[Any]]
-        return Codec(lambda values: [encode(one) for one in order(values)], lambda values: kind(map(decode, values)))
+        mutable = kind in (list, set) or any(one.mutable for one in items)
+        every = Codec(lambda values: [encode(one) for one in order(values)], lambda values: kind(map(decode, values)))
+        return every._replace(mutable=mutable)
     if issubclass(hint, Enum):
         return Codec(lambda value: value.value, hint)
     parts = fields(**get_type_hints(hint))
-    return Codec(lambda one: encode_fields(one, parts), lambda row: hint(**decode_fields(row, parts)))
+    frozen = issubclass(hint, tuple) or hint.__dataclass_params__.frozen
+    mutable = not frozen or any(one.mutable for one in parts.values())
+    return Codec(lambda one: encode_fields(one, parts), lambda row: hint(**decode_fields(row, parts)), mutable)
 
 
 def fields(**hints: Any) -> Mapping[str, Codec]:
@@ -134,95 +134,66 @@ def group(record: Record, name: str) -> Record:
     return {key[len(start) :]: value for key, value in record.items() if key.startswith(start)}
 
 
-class PersistentTable(MutableMapping[K, V]):
-    """A dictionary whose items are persisted as rows of a group, in order.
+class Table(NamedTuple):
+    """The conversion of a dictionary to rows of a group, one for each item, in order."""
 
-    Call :meth:`changes` for the rows that have changed. Values are replaced, or changed in place if the table is
-    ``mutable``; such a table compares all its values. ``popitem`` removes the first item.
-    """
+    group: str
+    key: Codec
+    value: Codec
 
-    def __init__(self, name: str, key: Any, value: Any, mutable: bool = False) -> None:
-        """Name the group ``name``; ``key`` and ``value`` are types or codecs, and keys become texts."""
-        self._group, self._key, self._value = name, codec(key), codec(value)
-        self._items: Dict[K, V] = {}
-        self._new: Dict[K, bool] = {}  # items set since the last changes, each with whether it replaces a row
-        self._gone: Dict[K, None] = {}
-        self._last: Optional[Dict[K, Any]] = {} if mutable else None
 
-    def __getitem__(self, key: K) -> V:
-        return self._items[key]
+def tables(**hints: Tuple[str, Any, Any]) -> Mapping[str, Table]:
+    """Return the tables of dictionaries by their names: each has a group, and the types of its keys and values."""
+    return {name: Table(group_name, codec(key), codec(value)) for name, (group_name, key, value) in hints.items()}
 
-    def __setitem__(self, key: K, value: V) -> None:
-        self._new.setdefault(key, key in self._items)
-        self._items[key] = value
 
-    def __delitem__(self, key: K) -> None:
-        del self._items[key]
-        if self._new.pop(key, True):
-            self._gone[key] = None
+class Group(NamedTuple):
+    """The values of a group: ``row`` returns the name of the row of a key, ``field`` the codec of its value."""
 
-    def __iter__(self) -> Iterator[K]:
-        return iter(self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def match(self, items: Mapping[K, V]) -> None:
-        """Remove the items whose keys ``items`` lacks, and add its further items as the last ones."""
-        for key in [one for one in self._items if one not in items]:
-            del self[key]
-        self.update({key: value for key, value in items.items() if key not in self._items})
-
-    def changes(self) -> Tuple[List[str], Record]:
-        """Return the names of removed rows, and the new and changed rows, since the last call."""
-        gone, new, self._gone, self._new = self._gone, self._new, {}, {}
-        if self._last is not None:
-            last, self._last = self._last, {key: self._value.encode(value) for key, value in self._items.items()}
-            new = {key: True for key, value in self._last.items() if key in new or value != last.get(key)}
-        return [*map(self._name, gone)], {self._name(key): self._value.encode(self._items[key]) for key in new}
-
-    def record(self) -> Record:
-        """Return all rows."""
-        return {self._name(key): self._value.encode(value) for key, value in self._items.items()}
-
-    def restore(self, record: Record) -> None:
-        """Restore the items from their rows."""
-        rows = group(record, self._group)
-        self._items = {self._key.decode(key): self._value.decode(value) for key, value in rows.items()}
-
-    def _name(self, key: K) -> str:
-        return f"{self._group}:{self._key.encode(key)}"
+    name: str
+    values: Mapping[Any, Any]
+    row: Callable[[Any], str]
+    field: Callable[[Any], Codec]
 
 
 class PersistentPart:
-    """A part of the core whose state is persisted: the attributes in ``FIELDS``, and its tables.
+    """A part of the core whose state is persisted: the attributes in ``FIELDS``, and the dictionaries in ``TABLES``.
 
-    Each attribute is a row of the group ``GROUP``.
+    Each attribute is a row of the group ``GROUP``, each item of a dictionary a row of the group of its table.
     """
 
     GROUP: ClassVar[str]
     FIELDS: ClassVar[Mapping[str, Codec]] = {}
+    TABLES: ClassVar[Mapping[str, Table]] = {}
 
-    @property
-    def tables(self) -> List[PersistentTable[Any, Any]]:
-        """The tables of this part."""
-        return [one for one in vars(self).values() if isinstance(one, PersistentTable)]
+    def groups(self) -> Iterator[Group]:
+        """Yield the groups of this part."""
+        attributes = {name: getattr(self, name) for name in self.FIELDS}
+        yield Group(self.GROUP, attributes, self._row_of, self.FIELDS.__getitem__)
+        for name, one in self.TABLES.items():
+            yield _group_of(one, getattr(self, name))
 
-    def row_of(self, name: str) -> str:
+    def _row_of(self, name: str) -> str:
         """Return the name of an attribute's row."""
         return f"{self.GROUP}:{name.lstrip('_')}"
 
     def record(self) -> Record:
         """Return all rows."""
-        rows = {self.row_of(name): value for name, value in encode_fields(self, self.FIELDS).items()}
-        return dict(rows, **{name: row for one in self.tables for name, row in one.record().items()})
+        return {
+            one.row(key): one.field(key).encode(value) for one in self.groups() for key, value in one.values.items()
+        }
 
     def restore(self, record: Record) -> None:
         """Restore the state from all rows."""
-        for name, part in self.FIELDS.items():
-            setattr(self, name, part.decode(record[self.row_of(name)]))
-        for one in self.tables:
-            one.restore(record)
+        for name, field in self.FIELDS.items():
+            setattr(self, name, field.decode(record[self._row_of(name)]))
+        for name, one in self.TABLES.items():
+            rows = group(record, one.group)
+            setattr(self, name, {one.key.decode(key): one.value.decode(value) for key, value in rows.items()})
+
+
+def _group_of(one: Table, values: Mapping[Any, Any]) -> Group:
+    return Group(one.group, values, lambda key: f"{one.group}:{one.key.encode(key)}", lambda _key: one.value)
 
 
 def record_of(parts: Iterable[PersistentPart]) -> Record:
@@ -231,29 +202,33 @@ def record_of(parts: Iterable[PersistentPart]) -> Record:
 
 
 class ChangeRecorder:
-    """Records the changes of parts since the last record. Tuples and frozen sets count as immutable."""
+    """Records the changes of parts since the last record, by a comparison with the values at that time."""
 
     def __init__(self) -> None:
-        self._attributes: Dict[str, Tuple[Any, Any]] = {}  # by row: the value and its JSON value
+        self._last: Dict[str, Dict[Any, Tuple[Any, Any]]] = {}  # by group and key: the value and its JSON value
 
     def changes(self, parts: Iterable[PersistentPart]) -> Record:
         """Return the names of rows to ``drop``, and then the rows to ``set``; empty if nothing has changed."""
         gone: List[str] = []
         new: Record = {}
-        for part in parts:
-            for name, field in part.FIELDS.items():
-                new.update(self._changed(part.row_of(name), getattr(part, name), field))
-            for table in part.tables:
-                removed, rows = table.changes()
-                gone += removed
-                new.update(rows)
+        for one in (one for part in parts for one in part.groups()):
+            before = self._last.get(one.name, {})
+            now = self._last[one.name] = _encoded(one, before)
+            order = iter(before)
+            for key, (_, row) in now.items():
+                stays = key in order  # else it is new, or has moved to the end
+                if not stays or row != before[key][1]:
+                    new[one.row(key)] = row
+                gone += [one.row(key)] if key in before and not stays else []
+            gone += [one.row(key) for key in before if key not in now]
         return {**({"drop": gone} if gone else {}), **({"set": new} if new else {})}
 
-    def _changed(self, row: str, value: Any, field: Codec) -> Record:
-        """Return the row of an attribute if its ``value`` has changed."""
-        known, old = self._attributes.get(row, (None, self))
-        if value is known and isinstance(value, (tuple, frozenset)):
-            return {}
-        new = field.encode(value)
-        self._attributes[row] = value, new
-        return {} if new == old else {row: new}
+
+def _encoded(one: Group, before: Mapping[Any, Tuple[Any, Any]]) -> Dict[Any, Tuple[Any, Any]]:
+    """Return the values of a group with their JSON values, those of ``before`` if they are the same."""
+    found: Dict[Any, Tuple[Any, Any]] = {}
+    for key, value in one.values.items():
+        field, known = one.field(key), before.get(key)
+        is_same = known is not None and value is known[0] and not field.mutable
+        found[key] = known if known is not None and is_same else (value, field.encode(value))
+    return found

@@ -45,7 +45,7 @@ from rosoclingo.reasoning.keywords import (
     success_of,
 )
 from rosoclingo.reasoning.observations import MEMORY, Observation, UnhandledFailure
-from rosoclingo.reasoning.records import PersistentPart, PersistentTable, fields
+from rosoclingo.reasoning.records import PersistentPart, fields, tables
 from rosoclingo.reasoning.repair import Change
 
 #: Maximum number of facts in a message.
@@ -202,6 +202,7 @@ class ExecutionMonitor(PersistentPart):
         observations=Tuple[Observation, ...],
         unhandled=List[UnhandledFailure],
     )
+    TABLES = tables(_known=("known", Symbol, type(None)), _executed=("done", Action, type(None)))
 
     def __init__(
         self,
@@ -218,7 +219,7 @@ class ExecutionMonitor(PersistentPart):
         self._emit = emit
         self._cycle = cycle
         self._clock = clock
-        self._known: PersistentTable[Symbol, None] = PersistentTable("known", Symbol, type(None))
+        self._known: Dict[Symbol, None] = {}
         self._text = 0  # number of characters of the waiting facts
         self.goes_on = program.declares_external(RUNNING, 3)
         self._dispatches: List[Dispatch] = []
@@ -227,7 +228,7 @@ class ExecutionMonitor(PersistentPart):
         self.durations = Durations(feeder)
         self._states_durations = learns and program.declares_external(TAKES, 3)
         self._timed: List[Action] = []  # successful actions whose durations have not been learned
-        self._executed: PersistentTable[Action, None] = PersistentTable("done", Action, type(None))
+        self._executed: Dict[Action, None] = {}
         self.observations: Tuple[Observation, ...] = ()
         self.unhandled: List[UnhandledFailure] = []
 
@@ -370,7 +371,7 @@ class ExecutionMonitor(PersistentPart):
         self._dispatches = [one for one in self._dispatches if one.missing]
         self._executed.update(dict.fromkeys(executed))
         while len(self._executed) > EXECUTED:
-            self._executed.popitem()
+            del self._executed[next(iter(self._executed))]
         return executed
 
     def _observe(self, *seen: Observation) -> None:
@@ -467,7 +468,7 @@ class ExecutionMonitor(PersistentPart):
         known = atom in self._known
         self._known[atom] = None
         if len(self._known) > KNOWN:
-            self._known.popitem()
+            del self._known[next(iter(self._known))]
         return known
 
     def _feed_return(self, origin: str, answer: Return, dispatch: Dispatch) -> None:

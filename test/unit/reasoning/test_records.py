@@ -16,7 +16,7 @@ from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.keywords import Action, Return, action_of
 from rosoclingo.reasoning.observations import Observation
 from rosoclingo.reasoning.recorded_history import RecordedHistory
-from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, codec, fields
+from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, codec, fields, tables
 from rosoclingo.reasoning.returns import Dispatch
 
 
@@ -111,8 +111,8 @@ RETURN = Return(*ACTIONS[0])
     ],
 )
 def test_codec_reads_back_values_of_a_type(hint, value):
-    encode, decode = codec(hint)
-    assert decode(text_of(encode(value))) == value
+    found = codec(hint)
+    assert found.decode(text_of(found.encode(value))) == value
 
 
 KEYS = st.sampled_from("abcd")
@@ -120,57 +120,62 @@ STEPS = st.lists(
     st.one_of(
         st.tuples(st.just("set"), KEYS, st.integers(0, 2)),
         st.tuples(st.just("pop"), KEYS),
-        st.tuples(st.just("popitem")),
-        st.tuples(st.just("match"), st.dictionaries(KEYS, st.just(1))),
+        st.tuples(st.just("replace"), st.dictionaries(KEYS, st.just(1))),
         st.tuples(st.just("record")),
     ),
     max_size=20,
 )
 
 
-def step(table, items, name, *arguments):
-    """Change a table and a dictionary in the same way."""
+class Rows(PersistentPart):
+    """A part with a dictionary."""
+
+    GROUP = "rows"
+    TABLES = tables(items=("row", str, int))
+
+    def __init__(self):
+        self.items = {}
+
+
+def change(part, name, *arguments):
+    """Change the dictionary of a part."""
     if name == "set":
-        table[arguments[0]] = items[arguments[0]] = arguments[1]
+        part.items[arguments[0]] = arguments[1]
     elif name == "pop":
-        assert table.pop(*arguments, None) == items.pop(*arguments, None)
-    elif name == "popitem" and items:
-        assert table.popitem() == (first := next(iter(items)), items.pop(first))
-    elif name == "match":
-        table.match(*arguments)
-        for key in [key for key in items if key not in arguments[0]]:
-            del items[key]
-        items.update({key: value for key, value in arguments[0].items() if key not in items})
+        part.items.pop(arguments[0], None)
+    elif name == "replace":
+        part.items = dict(*arguments)
 
 
-@pytest.mark.parametrize("mutable", [False, True])
 @given(steps=STEPS)
-def test_table_changes_yield_its_rows_in_order(mutable, steps):
-    table, items, rows = PersistentTable("row", str, int, mutable), {}, {}
+def test_changes_of_a_table_yield_its_rows_in_order(steps):
+    part, recorder, rows = Rows(), ChangeRecorder(), {}
     for name, *arguments in [*steps, ("record",)]:
-        step(table, items, name, *arguments)
-        assert [*table.items()] == [*items.items()]
+        change(part, name, *arguments)
         if name == "record":
-            gone, new = table.changes()
-            for one in gone:
-                rows.pop(one, None)
-            rows.update(new)
-            assert [*rows.items()] == [*table.record().items()] == [(f"row:{key}", one) for key, one in items.items()]
-            assert table.changes() == ([], {})
-    reader = PersistentTable("row", str, int)
+            changes = recorder.changes([part])
+            for one in changes.get("drop", ()):
+                del rows[one]
+            rows.update(changes.get("set", {}))
+            assert (
+                [*rows.items()] == [*part.record().items()] == [(f"row:{key}", one) for key, one in part.items.items()]
+            )
+            assert recorder.changes([part]) == {}
+    reader = Rows()
     reader.restore({"core:step": 1, **rows})
-    assert [*reader.items()] == [*items.items()]
+    assert [*reader.items.items()] == [*part.items.items()]
 
 
 class Counter(PersistentPart):
-    """A part with attributes and a table of values that change in place."""
+    """A part with attributes and a dictionary of values that change in place."""
 
     GROUP = "counter"
     FIELDS = fields(_step=int, words=List[str], plan=Tuple[str, ...])
+    TABLES = tables(lists=("list", str, List[int]))
 
     def __init__(self):
         self._step, self.words, self.plan = 1, ["a"], ("go",)
-        self.lists = PersistentTable("list", str, List[int], mutable=True)
+        self.lists = {}
 
 
 def test_changes_contain_only_new_values():

@@ -1,13 +1,13 @@
 """The keeper: it releases events of the core after the state that led to them is durable."""
 
-from typing import Callable, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.reasoning.aborted_goals import AbortedGoals
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalUnmet, Observer
 from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, PersistentTable, Record, record_of
+from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, Record, record_of, tables
 
 
 class Ending(NamedTuple):
@@ -45,6 +45,7 @@ class Keeper(PersistentPart):
     """
 
     GROUP = "keeper"
+    TABLES = tables(clients=("client", str, ClientGoal))
 
     def __init__(
         self,
@@ -63,7 +64,7 @@ class Keeper(PersistentPart):
         self._core: Optional[Core] = None
         self._recorder = ChangeRecorder()
         self._events: List[Event] = []
-        self.clients: PersistentTable[str, ClientGoal] = PersistentTable("client", str, ClientGoal)
+        self.clients: Dict[str, ClientGoal] = {}
         self.aborted_goals = AbortedGoals()
 
     def __call__(self, event: Event) -> None:
