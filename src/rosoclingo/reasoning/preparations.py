@@ -2,9 +2,8 @@
 
 The robot does not stop for a search while the current plan continues. New goals and cancellations join in the next
 update if a plan with them is found soon. Otherwise the current plan continues without them, and the standby worker
-plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late; if
-too little of the current plan is left, fewer goals join instead. A cancellation whose plan came too late has more time
-at its next cycle, so that the robot stops soon on a slow machine.
+plans for a later cycle, in which they join. The distance to that cycle doubles after each plan that came too late. A
+cancellation whose plan came too late has more time at its next cycle, so that the robot stops soon on a slow machine.
 
 Without new requests, the standby worker prefetches the answer to a failure.
 """
@@ -21,13 +20,6 @@ from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
 
 LATE_PATIENCE = 3
 """Factor of the time that a plan with a cancellation has, once such a plan came too late."""
-
-
-ALL = 1_000_000
-"""Number of goals that join at a time, as long as plans with them come in time."""
-
-SHORT = 4
-"""Greatest number of steps of a short plan, relative to the cycles in which no plan was found."""
 
 
 class Join(NamedTuple):
@@ -86,7 +78,6 @@ class Preparations:
         self._watch = watch
         self.join: Optional[Join] = None
         self._cycles = 1  # the distance to the cycle in which requests join
-        self._most = ALL  # the number of goals that join at a time
         self._prepared: Tuple[object, ...] = ()  # the situation for which the answer is prefetched
 
     def prepare(self, planner: Planner, plan: TaskPlan, step: int) -> None:
@@ -136,13 +127,13 @@ class Preparations:
             self._begin_join(planner, plan, step, planner.lookahead)
         if self.join is None:
             if not plan.steps_after(step - 1):
-                self._cycles, self._most = 1, ALL
+                self._cycles = 1
             return rest if goes_on and self._is_late(planner, batch, rest) else batch
         if step == self.join.cycle:
             in_time = goes_on and self._has_plan(self.join, planner)
             if in_time or not goes_on:
-                return self._complete(self.join, in_time)
-            self._postpone(self.join, plan.steps_after(step - 1))
+                return self._complete(self.join)
+            self._cycles, self.join = 2 * len(self.join.updates), None
             self._begin_join(planner, plan, step, planner.lookahead)
         return rest
 
@@ -161,12 +152,7 @@ class Preparations:
     @property
     def _requests(self) -> Tuple[Request, ...]:
         """The requests that can join; goals without room come last."""
-        return self._limited((*self._feeder.requests, *self._goals.queue.joinable))
-
-    def _limited(self, requests: Tuple[Request, ...]) -> Tuple[Request, ...]:
-        """Return ``requests`` without those goals that are too many for one plan."""
-        late = goals_of(requests)[self._most :]
-        return tuple(one for one in requests if one not in late)
+        return (*self._feeder.requests, *self._goals.queue.joinable)
 
     def _predicted(self, plan: TaskPlan, step: int, first_open: int, requests: Iterable[Request] = ()) -> StreamUpdate:
         """Return the update of ``step`` after the success of all actions, with ``requests``."""
@@ -195,27 +181,12 @@ class Preparations:
         late = self._cycles > 1 and not all(isinstance(one, Goal) for one in join.requests)
         return any(planner.has_prepared(join.whole, self._watch) for _ in range(LATE_PATIENCE if late else 1))
 
-    def _complete(self, join: Join, in_time: bool) -> Batch:
-        """Return the update in which requests join; ``in_time``: their plan was found while another one continued."""
+    def _complete(self, join: Join) -> Batch:
+        """Return the update in which requests join."""
         self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
-        self._most = min(ALL, 2 * self._most) if in_time else self._most
         self._goals.join(goal for goal in goals_of(join.requests) if goal.waits)
         first_open = join.planner.first_open(join.cycle, join.since)
         return self._feeder.next_update(join.cycle, first_open, join.requests)
-
-    def _postpone(self, join: Join, left: int) -> None:
-        """Plan for a later cycle or for fewer goals, because a plan came too late; ``left`` steps of a plan remain.
-
-        The number of goals does not fall below the room in the program: the robot waits for the plan after the current
-        one, so that plan should serve many goals.
-        """
-        cycles, goals = len(join.updates), len(goals_of(join.requests))
-        fewer = max(goals // 2, self._goals.queue.size or 0)
-        if 0 < fewer < goals and SHORT * cycles > left:
-            self._most = fewer
-        else:
-            cycles *= 2
-        self._cycles, self.join = cycles, None
 
     def _is_late(self, planner: Planner, batch: Batch, rest: Batch) -> bool:
         """Return whether ``batch`` has more requests than ``rest``, and no answer was found soon."""
@@ -225,7 +196,7 @@ class Preparations:
     def _is_broken(self, join: Join, planner: Planner) -> bool:
         """Return whether a search for requests is obsolete: some were dropped, or others cannot wait for it."""
         waiting = (*self._feeder.requests, *self._goals.queue.waiting)
-        new = [one for one in self._limited(self._feeder.requests) if one not in join.requests]
+        new = [one for one in self._feeder.requests if one not in join.requests]
         soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)
         return planner is not join.planner or not set(join.requests).issubset(waiting) or (bool(new) and soon)
 
