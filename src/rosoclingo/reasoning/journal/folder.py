@@ -104,25 +104,16 @@ class Journal:
         if self.fault and not self.is_due(now):
             return
         if state is not None and (not self._complete or self.records >= RECORDS):
-            self._complete = self.begin(state(), time, now)
+            self.records, change = 0, {"set": state()}
         elif not self._complete or not change:
             return
-        else:
-            self._complete = self.append(change, time, now)
+        self._complete = self._commit(change, time, now)
         if not self._complete:
             with contextlib.suppress(OSError):
                 self.set_aside("stale")
 
-    def begin(self, state: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
-        """Replace all records by one with the whole state; return whether it is durable."""
-        self.records = 0
-        return self._commit({"set": state}, time, now)
-
-    def append(self, change: Record, time: Optional[float] = None, now: float = 0.0) -> bool:
-        """Append a record; return whether it is durable. If not, it is not in the journal."""
-        return self._commit(change, time, now)
-
     def _commit(self, change: Record, time: Optional[float], now: float) -> bool:
+        """Append a record, or replace all by the first one; return whether it is durable."""
         text = json.dumps(change, separators=(",", ":"))
         row = self.records + 1, None if time is None else round(time, 3), text
 
