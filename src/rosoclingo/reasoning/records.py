@@ -33,31 +33,14 @@ from rosoclingo.reasoning.keywords import Action, Return, action_of, return_of
 #: Rows by name, in order.
 Record = Dict[str, Any]
 
-#: Maximum number of cached texts, and maximum length of a cached text.
-CACHED, SHORT = 4096, 200
-
-_texts: Dict[Symbol, str] = {}
-
 
 def text_of(symbol: Symbol) -> str:
-    """Return a symbol as text for :func:`symbol_of`; short texts are cached."""
-    text = _texts.get(symbol)
-    if text is None:
-        text = symbols_to_text([symbol])
-        if len(text) <= SHORT:
-            if len(_texts) >= CACHED:
-                _texts.clear()
-            _texts[symbol] = text
-    return text
+    """Return a symbol as text for :func:`symbol_of`."""
+    return symbols_to_text([symbol])
 
 
 def symbol_of(text: str) -> Symbol:
-    """Return the symbol of :func:`text_of`; those of short texts are cached."""
-    return _parse(text) if len(text) <= SHORT else symbol_list(text)[0]
-
-
-@lru_cache(maxsize=CACHED)
-def _parse(text: str) -> Symbol:
+    """Return the symbol of :func:`text_of`."""
     return symbol_list(text)[0]
 
 
