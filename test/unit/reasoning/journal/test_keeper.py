@@ -46,14 +46,15 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
 
 @pytest.fixture
 def records(monkeypatch):
-    """Return the changes in each later record."""
-    changes, append = [], Journal.append
+    """Return the changes in each record."""
+    changes, write = [], Journal.write
 
-    def note(journal, change, *times):
-        changes.append(change)
-        return append(journal, change, *times)
+    def note(journal, change, *state_and_times):
+        before = journal.records
+        write(journal, change, *state_and_times)
+        changes.extend([change] * (journal.records != before))
 
-    monkeypatch.setattr(Journal, "append", note)
+    monkeypatch.setattr(Journal, "write", note)
     return changes
 
 
@@ -166,7 +167,7 @@ def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
 def kept(journal, now=lambda: 0.0):
     """Return a core that has not begun, its keeper, and the released messages."""
     published = []
-    keeper = Keeper(published.append, journal, now)
+    keeper = Keeper(published.append, journal, now, lambda: 0.0)
     core = Core(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
     return core, keeper, published
