@@ -55,7 +55,7 @@ class Run:
     """A core that executes goals; it can write a journal and resume from a ``record``."""
 
     def __init__(self, program, journal=None, record=None):
-        self.keeper = Keeper(lambda event: None, journal, time.monotonic)
+        self.keeper = Keeper(lambda event: None, journal, time.monotonic, time.time)
         self.core = Core(
             program, lambda: PlanSolver(program, plan_time=1.0), self.keeper, CoreSettings(), record=record
         )

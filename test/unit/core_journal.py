@@ -3,6 +3,7 @@
 from collections import deque
 from typing import Deque, List, Tuple, Type, TypeVar
 
+from rosoclingo.oclingo import parse_update
 from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, ReturnAccepted, UpdateSent
 
 _Kind = TypeVar("_Kind", bound=Event)
@@ -30,7 +31,7 @@ class Journal:
     @property
     def updates(self) -> List[str]:
         """Return the texts of all stream updates, as the paper prints them."""
-        return [event.text for event in self.of(UpdateSent)]
+        return [str(parse_update(event.stream).plain) for event in self.of(UpdateSent)]
 
     @property
     def stream(self) -> str:

@@ -19,7 +19,7 @@ GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c
 LASTS, BEGIN = 5.0, 1000.0
 
 
-def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, timed=True, ends=tuple):
+def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None, ends=tuple):
     """Play goals in turn, with a failure and a cancel; return the journal's path and all events.
 
     ``kept`` are settings that the journal has, ``settings`` those of the core; an action that fails is ``blocked``.
@@ -28,7 +28,7 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
     published, clock = [], [BEGIN]
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
     journal = Journal(path, Header("run", program.fingerprint, "", description))
-    keeper = Keeper(published.append, journal, lambda: 0.0, (lambda: clock[0]) if timed else None)
+    keeper = Keeper(published.append, journal, lambda: 0.0, lambda: clock[0])
     core = Core(program, lambda: soon(program), keeper, settings or CoreSettings())
     keeper.attach(core)
     core.start()

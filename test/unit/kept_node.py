@@ -19,7 +19,7 @@ class Node:
         self.folder = Journal(path, Header("run", "program"))
         kept = self.folder.read()
         self.published, self.at_event = [], lambda event: None
-        self.keeper = Keeper(self._tell, self.folder, lambda: 0.0)
+        self.keeper = Keeper(self._tell, self.folder, lambda: 0.0, lambda: 0.0)
         record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=horizon_limit, search_timeout=0.0)
         self.core = Core(program, lambda: shortest(program), self.keeper, settings, record=record)

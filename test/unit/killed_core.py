@@ -189,7 +189,7 @@ class Node:
         self._world, self._fate = world, fate
         kept = folder.read()
         record = None if kept is None else kept.state
-        self.keeper = Keeper(self._tell, folder, lambda: 0.0)
+        self.keeper = Keeper(self._tell, folder, lambda: 0.0, lambda: 0.0)
         limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
         program = other_minded(world.program, fate.instants) if world.any_plan else world.program
         self.core = Core(program, lambda: shortest(program), self.keeper, limits, record=record)

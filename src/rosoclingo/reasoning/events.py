@@ -40,11 +40,10 @@ class ModeChanged(Event):
 class UpdateSent(Event):
     """The solver has accepted a stream update, which starts ``cycle``. Each update is reported once.
 
-    ``text`` is the update as the paper prints it. ``stream`` also contains the bound of the search and the closed
-    cycles. The streams of a run form an online progression. It reproduces the plans if these were the shortest ones.
+    ``stream`` is the update with the bound of the search and the closed cycles. The streams of a run form an online
+    progression. It reproduces the plans if these were the shortest ones.
     """
 
-    text: str
     stream: str
 
 
@@ -89,13 +88,6 @@ class ActionsPreempted(Event):
 @dataclass(frozen=True)
 class ReturnAccepted(Event):
     """An interface has returned the result of an action of this cycle; the return is dated as the program gets it."""
-
-    atom: Symbol
-
-
-@dataclass(frozen=True)
-class FactAccepted(Event):
-    """An interface has reported another fact about the world."""
 
     atom: Symbol
 
@@ -192,7 +184,7 @@ class Announcer(PersistentPart):
         """Report several updates that lead to a step."""
         self.published = step
         for update in updates:
-            self._emit(UpdateSent(step, str(update.plain), str(update)))
+            self._emit(UpdateSent(step, str(update)))
 
     def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
         """Report the result of a search, and the beliefs if they have changed."""

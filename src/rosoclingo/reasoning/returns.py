@@ -24,7 +24,7 @@ from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.planning.return_rules import may_heed
 from rosoclingo.reasoning.durations import Durations
-from rosoclingo.reasoning.events import Event, FactAccepted, Problem, ReturnAccepted
+from rosoclingo.reasoning.events import Event, Problem, ReturnAccepted
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
     FAILURE,
@@ -397,7 +397,6 @@ class ExecutionMonitor(PersistentPart):
                 raise ReturnError(f"{self._feeder.waiting} facts already wait for the next update")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
-                self._emit(FactAccepted(self._cycle(), atom))
                 self._feeder.add_fact(atom, origin, self._cycle(), message)
 
     def _take_return(self, origin: str, answer: Return) -> None:

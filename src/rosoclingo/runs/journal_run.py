@@ -28,7 +28,6 @@ __all__ = ["journal_run", "journal_view"]
 
 #: A page's notes about missing data.
 LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
-TIMELESS = "no times: each record counts as a second"
 
 #: The sender of facts in an update.
 SOMEBODY = "an interface"
@@ -69,7 +68,7 @@ def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunVi
         reader.take(moment)
     view.finish()
     first = f"it begins with cycle {reader.first}" if reader.first > 1 else ""
-    view.describe(lacks="; ".join(filter(None, [LACKS, TIMELESS if reader.timeless else "", first])))
+    view.describe(lacks="; ".join(filter(None, [LACKS, first])))
     return view
 
 
@@ -81,20 +80,15 @@ def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
 
 
 class _Clock:
-    """A clock that never goes back, even if simulated time did; a record without a time counts as a second."""
+    """A clock that never goes back, even if simulated time did."""
 
     def __init__(self) -> None:
         self._now, self._last = 0.0, 0.0
 
-    def at(self, time: Optional[float]) -> float:
+    def at(self, time: float) -> float:
         """Return the seconds at the next record, whose time is ``time``."""
-        if time is None:
-            self._now += 1.0
-        elif not self._now:
-            self._now = time
-        else:
-            self._now += max(0.0, time - self._last)
-        self._last = self._last if time is None else time
+        self._now += max(0.0, time - self._last)
+        self._last = time
         return self._now
 
 
@@ -104,7 +98,6 @@ class _Reader:
     Attributes:
         first: the cycle of the first state, 0 before that.
         has_update: whether a cycle has begun since the first state.
-        timeless: whether a record has no time.
 
     """
 
@@ -120,7 +113,7 @@ class _Reader:
         self._updates: List[StreamUpdate] = []  # updates since the beginning of the last cycle
         self._cycle = 0  # of the last accepted update
         self._plan: object = None  # of that cycle
-        self.first, self.has_update, self.timeless = 0, False, False
+        self.first, self.has_update = 0, False
         if header.description:
             program = replace(RunProgram.parse(header.description), run=header.run)
             events.program(0.0, program.text())
@@ -128,7 +121,6 @@ class _Reader:
     def take(self, moment: Moment) -> None:
         """Process the next state and its time."""
         state, time = moment.state, self._clock.at(moment.time)
-        self.timeless = self.timeless or moment.time is None
         self._arrivals(time, state)
         if not self.first:
             self._begin(time, state)

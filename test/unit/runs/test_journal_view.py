@@ -14,7 +14,7 @@ from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import checksum
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.journal_run import LACKS, TIMELESS, journal_view
+from rosoclingo.runs.journal_run import LACKS, journal_view
 
 LABELS = {"office1": {"x": 1.0, "y": 2.0}, "office2": {"x": 5.0, "y": 2.0, "yaw": 1.5}}
 
@@ -103,15 +103,6 @@ def test_journal_view_shows_a_queued_goal(tmp_path):
     file, _ = play(tmp_path, program, GOALS[:2], None, None, settings=settings)
     _, waiting = records(journal_view(file), "goals")
     assert [word for _, word, *_ in waiting["states"]] == ["pending", "waiting", "pending", "active", "succeeded"]
-
-
-@pytest.mark.slow
-def test_journal_view_without_times_counts_records(tmp_path):
-    file, _ = play(tmp_path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None, timed=False)
-    view = journal_view(file)
-    assert view.about["lacks"].endswith(TIMELESS)
-    moments = [one["begun"] for one in records(view, "actions")]
-    assert moments == sorted(set(moments))
 
 
 @pytest.mark.slow

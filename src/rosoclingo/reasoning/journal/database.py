@@ -10,7 +10,7 @@ import sqlite3
 import zlib
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple, TypeVar
+from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Tuple, TypeVar
 
 from rosoclingo.reasoning.records import Record
 
@@ -60,10 +60,10 @@ class JournalContent(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """The state after a record, and the time of the record in seconds of the run's clock, None if unknown."""
+    """The state after a record, and the time of the record in seconds of the run's clock."""
 
     state: Record
-    time: Optional[float]
+    time: float
 
 
 def file_of(path: Path) -> Path:
@@ -139,7 +139,7 @@ def _reading(file: Path, ask: Callable[[sqlite3.Connection], _T]) -> _T:
         raise JournalError(f"it cannot be read as a journal ({error}): {remedy}") from None
 
 
-def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, Optional[float], str, int]]]:
+def _content(db: sqlite3.Connection) -> Tuple[Header, List[Tuple[int, float, str, int]]]:
     """Return the header and the rows of the records; raises JournalError if a row is missing or corrupt."""
     db.execute("BEGIN")  # one snapshot for all queries
     (version,) = db.execute("PRAGMA user_version").fetchone()

@@ -93,9 +93,7 @@ class Journal:
         """Return whether it is time for another attempt after a failed write."""
         return self._database.is_due(now)
 
-    def write(
-        self, change: Record, state: Optional[Callable[[], Record]], now: float, time: Optional[float] = None
-    ) -> None:
+    def write(self, change: Record, state: Optional[Callable[[], Record]], now: float, time: float) -> None:
         """Write a ``change``, or the whole state after :data:`RECORDS` changes or a failure, and wait for the disk.
 
         ``state`` returns the whole state; None appends the change if the journal is complete. ``now`` is in seconds of
@@ -112,10 +110,10 @@ class Journal:
             with contextlib.suppress(OSError):
                 self.set_aside("stale")
 
-    def _commit(self, change: Record, time: Optional[float], now: float) -> bool:
+    def _commit(self, change: Record, time: float, now: float) -> bool:
         """Append a record, or replace all by the first one; return whether it is durable."""
         text = json.dumps(change, separators=(",", ":"))
-        row = self.records + 1, None if time is None else round(time, 3), text
+        row = self.records + 1, round(time, 3), text
 
         def write(db: sqlite3.Connection) -> bool:
             """Insert the record; the first one replaces everything."""

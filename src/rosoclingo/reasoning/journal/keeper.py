@@ -52,7 +52,7 @@ class Keeper(PersistentPart):
         emit: Observer,
         journal: Optional[Journal],
         now: Callable[[], float],
-        time: Optional[Callable[[], float]] = None,
+        time: Callable[[], float],
         fault: str = "",
     ) -> None:
         """Release events to ``emit``.
@@ -140,8 +140,7 @@ class Keeper(PersistentPart):
     def _write(self, parts: Iterable[PersistentPart], state: Optional[Callable[[], Record]] = None) -> None:
         """Write the changes of some ``parts``; ``state`` returns the whole state, None within a step of the core."""
         if self._journal is not None:
-            time = None if self._time is None else self._time()
-            self._journal.write(self._recorder.changes(parts), state, self._now(), time)
+            self._journal.write(self._recorder.changes(parts), state, self._now(), self._time())
 
     def _note(self, event: Event) -> Optional[str]:
         """Record the end of a client's goal and return its key, None for other events; record unmet goals."""

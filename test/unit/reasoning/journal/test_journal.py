@@ -31,7 +31,7 @@ class StateJournal(Journal):
 
     state: ClassVar = {}
 
-    def put(self, state, now=0.0, time=None):
+    def put(self, state, now=0.0, time=0.0):
         """Write the changes of a state."""
         gone = [name for name in self.state if name not in state]
         new = {name: value for name, value in state.items() if self.state.get(name) != value}
@@ -141,7 +141,7 @@ def test_journal_log_with_changed_byte_has_earlier_state(killed, scratch, data):
     ],
 )
 def test_journal_refuses_a_change_at_its_record(folder, change, words):
-    folder.write({}, lambda: {"core": 1}, 0.0)
+    folder.write({}, lambda: {"core": 1}, 0.0, 0.0)
     for number in (2, 3):
         folder.write({"set": {"core": number}}, None, 0.0, 1.0)
     folder.close()
@@ -191,7 +191,7 @@ def test_journal_of_a_killed_core_is_unlocked(tmp_path):
     code = (
         "import sys; from pathlib import Path;"
         "from rosoclingo.reasoning.journal.folder import *; from rosoclingo.reasoning.journal.database import *;"
-        "folder = Journal(Path(sys.argv[1]), Header('a', 'b')); folder.write({}, lambda: {'core': 1}, 0.0);"
+        "folder = Journal(Path(sys.argv[1]), Header('a', 'b')); folder.write({}, lambda: {'core': 1}, 0.0, 0.0);"
         "print('ready', flush=True); input()"
     )
     command = [sys.executable, "-c", code, str(tmp_path)]
@@ -240,11 +240,11 @@ def test_journal_reports_failing_disk_and_retries(folder):
 
 
 def test_journal_appends_changes_without_a_state_if_complete(folder, monkeypatch):
-    folder.write({"set": {"core": 1}}, None, 0.0)
+    folder.write({"set": {"core": 1}}, None, 0.0, 0.0)
     assert folder.read() is None
     folder.put({"core": 1})
     monkeypatch.setattr(module, "RECORDS", 1)
-    folder.write({"set": {"client:a": 2}}, None, 0.0)
+    folder.write({"set": {"client:a": 2}}, None, 0.0, 0.0)
     assert (folder.read().state, folder.read().records) == ({"core": 1, "client:a": 2}, 2)
     folder.put({"core": 3})
     assert (folder.read().state, folder.read().records) == ({"core": 3}, 1)
@@ -275,7 +275,7 @@ def shelf_of(path, ages):
     """A shelf with a journal of each age, in seconds before its time 1e9; the names are the ages."""
     for age in ages:
         folder = Journal(path / str(age), HEADER)
-        folder.write({}, lambda: {"core": 1}, 0.0)
+        folder.write({}, lambda: {"core": 1}, 0.0, 0.0)
         folder.close()
         for file in (path / str(age)).iterdir():
             os.utime(file, (1e9 - age, 1e9 - age))
@@ -326,7 +326,7 @@ def test_journal_folder_removed_while_locking_is_not_locked(tmp_path, monkeypatc
 
 
 def test_journal_is_described_in_words(folder):
-    folder.write({}, lambda: {"core": [1, 2], "goal:a": "x"}, 0.0)
+    folder.write({}, lambda: {"core": [1, 2], "goal:a": "x"}, 0.0, 0.0)
     assert list(lines_of(folder.read())) == [
         "run run, 1 records since the last checkpoint",
         "core [1, 2]",

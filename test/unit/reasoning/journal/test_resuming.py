@@ -25,7 +25,7 @@ def folder(tmp_path):
 def left(folder):
     """Create a journal that a core has left behind."""
     place = Journal(folder, BEFORE)
-    place.write({}, lambda: STATE, 0.0)
+    place.write({}, lambda: STATE, 0.0, 0.0)
     place.close()
     return place.path
 
@@ -70,14 +70,14 @@ def test_start_begins_a_new_run_on_request(folder, left, resume, launch):
 
 def test_start_by_hand_has_no_launch_in_common(folder):
     place = Journal(folder, BEFORE._replace(launch=""))
-    place.write({}, lambda: STATE, 0.0)
+    place.write({}, lambda: STATE, 0.0, 0.0)
     place.close()
     assert opened(folder, "ask", AGAIN._replace(launch="")).state is None
 
 
 def test_start_is_silent_about_journal_without_goals(folder):
     place = Journal(folder, BEFORE)
-    place.write({}, lambda: {"core:step": 7}, 0.0)
+    place.write({}, lambda: {"core:step": 7}, 0.0, 0.0)
     place.close()
     found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
     assert (found.remarks, found.odd) == ([], False)
@@ -121,7 +121,7 @@ def test_start_fails_if_journal_is_unreadable(folder):
 
 def test_start_resumes_from_journal_with_a_single_goal(folder):
     place = Journal(folder, BEFORE)
-    place.write({}, lambda: {"core:step": 0, "goal:a": {"term": "goal(1)"}}, 0.0)
+    place.write({}, lambda: {"core:step": 0, "goal:a": {"term": "goal(1)"}}, 0.0, 0.0)
     place.close()
     assert opened(folder, "yes", AGAIN).remarks == [f"resumes from {place.path}: run first, cycle 1, 1 open goal"]
 
