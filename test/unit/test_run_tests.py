@@ -104,6 +104,7 @@ def test_run_tests_imports_modules_as_pytest_alone_does():
     assert f"pythonpath = {json.dumps(['src', *run_tests.MODULES])}\n" in settings
 
 
+@pytest.mark.slow
 def test_run_tests_accepts_a_folder_with_a_blank(monkeypatch, tmp_path):
     root = tmp_path / "a clone"
     (root / "test" / "unit").mkdir(parents=True)

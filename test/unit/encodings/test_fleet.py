@@ -117,6 +117,7 @@ def _words(action):
     return str(action.interface.arguments[0]), action.interface.name, int(re.sub(r"\D", "", str(action.parameter)))
 
 
+@pytest.mark.slow
 def test_fleet_robots_act_at_the_same_time():
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
     fleet.ask(1, 1, 2)
@@ -127,12 +128,14 @@ def test_fleet_robots_act_at_the_same_time():
     assert fleet.world.at["r2"] == 5
 
 
+@pytest.mark.slow
 def test_fleet_robots_without_a_task_stand_still():
     fleet = Fleet(RING, {"r1": 1, "r2": 3, "r3": 5})
     fleet.ask(1, 2, 6).end_all()
     assert len({re.search(r"r\d", str(one)).group() for one in fleet.journal.actions}) == 1
 
 
+@pytest.mark.slow
 def test_fleet_robots_do_not_wait_for_a_lost_robot():
     """While the action of r1 neither returns nor fails, r2 drives around both ends of its connection."""
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
@@ -175,6 +178,7 @@ def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     assert (fleet.last(2), fleet.world.delivered) == ("succeeded", [2])
 
 
+@pytest.mark.slow
 def test_fleet_accepts_a_late_fact_about_a_robot_that_acts():
     fleet = Fleet(RING, {"r1": 1, "r2": 4}, solver=shortest)
     fleet.ask(1, 1, 2).end("r1").end("r1")

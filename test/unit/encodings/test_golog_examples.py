@@ -30,17 +30,17 @@ def shipped_example(name, facts, **constants):
 
 #: The example and the script.
 RUNS = {
+    "latches of a suitcase": ("suitcase", """
+        facts _set(up(left),now); goal g run(by_latches,1); breaks flip(right); performs flip(right)
+        is g succeeded"""),
+}  # fmt: skip
+SLOW_RUNS = {
     "coffee that cannot be bought is done without": ("airport", """
         facts _set(delayed,now) _set(parked(a),now); goal g run(catch_plane,1); step go(airport) look buy_paper go(a)
         breaks buy_coffee closed; performs board(a)"""),
     "coffee that is cancelled goes back": ("coffee", """
         facts _set(wants(office),now); goal g run(round,1); step go(kitchen) fetch; cancel g; step go(office)
         performs go(kitchen) pour_back; is g preempted"""),
-    "latches of a suitcase": ("suitcase", """
-        facts _set(up(left),now); goal g run(by_latches,1); breaks flip(right); performs flip(right)
-        is g succeeded"""),
-}  # fmt: skip
-SLOW_RUNS = {
     "the elevator serves alarm, temperature and calls in this order": ("reactive_elevator", """
         goal g run(control,1); tell _set(call(3)); step down(2) up(1); tell _set(too_hot); succeed; step fan_on
         tell _unset(too_hot) _set(alarm); performs reset(3) ring; tell _set(too_cold); does; tell _unset(alarm)
@@ -107,7 +107,7 @@ SERVE = "turnoff({0}) door(open) door(close)"
 THIRD, FIFTH, SECOND = SERVE.format(3), SERVE.format(5), SERVE.format(2)
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("facts", "control", "first", "found"),
     [

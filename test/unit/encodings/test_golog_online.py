@@ -139,7 +139,7 @@ def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
         assert sorted(found) == actions.split()
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "before", "after"), CANCELLED)
 def test_golog_program_reacts_to_a_cancel(text, before, after):
     """After a number of actions, a cancel arrives during the next one, which fails."""
@@ -152,7 +152,7 @@ def test_golog_program_reacts_to_a_cancel(text, before, after):
     play(driver, f"cancel g; is g preempting; fail stuck; performs {after}; is g preempted")
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
 def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
     """The facts arrive while a is under way; a program that never has a plan is aborted."""
@@ -213,13 +213,13 @@ SLOW_SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["search1", "search2", "search3"])
 def test_golog_waiting_search_within_others_blocks_them_all(name):
     driver = run(program(), f"goal g run({name},1); does act,a,1; succeed; does; facts _set(f,now)")
@@ -233,6 +233,7 @@ def test_golog_action_belongs_to_a_single_program():
     assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
 
 
+@pytest.mark.slow
 def test_golog_no_other_action_interrupts_a_search():
     assert "a b c" in " ".join(run(program(), "goal g run(row,1); goal h run(one(d),2)").rest())
 

@@ -82,6 +82,7 @@ def test_golog_second_program_of_id_runs_with_undo_of_first():
     assert not driver.problems
 
 
+@pytest.mark.slow
 def test_golog_further_cancel_ends_undo_of_first_program():
     solver = shortest(program())
     done = ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2})."

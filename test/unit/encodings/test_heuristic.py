@@ -276,6 +276,7 @@ def test_plan_bound_refutes_goals_behind_blocked_way_at_once():
     assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
 
 
+@pytest.mark.slow
 def test_plan_bound_is_recomputed_only_for_few_requests():
     """It grounds nothing if many requests come at once, and only the loads of a few if many came before."""
     program = mailbot([(1, 2)], 3)

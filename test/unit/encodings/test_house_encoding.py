@@ -5,6 +5,7 @@ from core_scripts import scripts
 from delivery_scripts import deliver
 
 
+@pytest.mark.slow
 def test_house_rejects_unknown_things():
     deliver(
         "house",

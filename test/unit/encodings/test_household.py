@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from core_driver import Driver
 
 FILES = ("household.lp", "home.lp")
@@ -52,6 +53,7 @@ def test_household_both_let_go_if_one_fails():
     assert driver.finish().states("table")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_household_robot_between_rooms_drives_back_before_it_releases_the_table():
     """Nothing can be put down in a doorway."""
     driver = until_both_hold(household().goal("table", "bring(kitchen,table)"))
@@ -61,6 +63,7 @@ def test_household_robot_between_rooms_drives_back_before_it_releases_the_table(
     assert driver.finish().states("table")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_household_gives_up_after_repeated_failures():
     driver = household().goal("table", "bring(kitchen,table)")
     for _ in range(60):

@@ -260,6 +260,7 @@ def test_mailbot_package_on_its_way_back_is_requested_again(moves, then):
     assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
 
 
+@pytest.mark.slow
 def test_mailbot_request_replaces_live_one_with_same_id():
     robot = perform(Robot(6, ROW, 1), "request 1 6 1; works 1; request 1 2 1")
     assert len(robot.plan()) == fewest_steps(robot.graph, 3, "o2", [("waits", "o2", "o1")])

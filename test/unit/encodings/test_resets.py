@@ -70,6 +70,7 @@ SLOW_CORRECTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.mostly_slow
 @scripts(CORRECTIONS, SLOW_CORRECTIONS)
 def test_correction_follows_the_script(row):
     deliver("mailbot", row)
@@ -90,6 +91,7 @@ def test_correction_of_the_house_world():
     )
 
 
+@pytest.mark.slow
 def test_correction_preempts_actions_that_became_useless():
     deliver("mailbot", f"""
         goal a goal(office3,office4,1); facts _at(office4,now); ends move_base,office2,1; acts move_base,office2

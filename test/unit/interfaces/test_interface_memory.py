@@ -162,6 +162,7 @@ def test_memory_reports_an_unreadable_file(tmp_path):
     assert "cannot read" in one.trouble
 
 
+@pytest.mark.slow
 def test_memory_keeps_last_answers_and_all_running_actions(tmp_path):
     one = memory(tmp_path)
     one.note_begun(PICKUP, "goal-1")

@@ -244,6 +244,7 @@ STEPS = st.lists(st.tuples(st.booleans(), st.integers(0, 3)), max_size=6)
 FATES = st.lists(st.sampled_from(["accepted", "dropped", "without facts", "refused"]), max_size=25)
 
 
+@pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 2)
 @example(fates=["accepted", "accepted", *["dropped"] * 2, "accepted"], steps=[(True, 1)])
 @example(fates=["accepted", "accepted", *["dropped"] * 9], steps=[(True, 1)])

@@ -126,6 +126,7 @@ def test_long_actions_that_a_plan_leaves_out(preempt, declared, script):
     play(Driver(text, CoreSettings(horizon_limit=8, preempt=preempt)), LEFT_OUT + script)
 
 
+@pytest.mark.slow
 def test_long_actions_are_preempted_if_no_plan_needs_them():
     text = TEAM + "#external _cancel/3.\n"
     play(

@@ -162,6 +162,7 @@ PHASES = {
 }
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("preempt", [False, True])
 @scripts(PHASES)
 def test_preemption_by_cancel_in_each_phase(preempt, row):

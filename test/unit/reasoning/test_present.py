@@ -74,6 +74,7 @@ def test_beliefs_of_a_delivery(plan):
     assert present(driver) == ["_status(1,succeeded,now)", "robot_at(office3,now)"]
 
 
+@pytest.mark.slow
 def test_beliefs_of_a_blocked_way():
     driver = Driver.of_shipped("house.lp", "home.lp")
     driver.facts("_blocked(hallway,study,now)")
@@ -83,6 +84,7 @@ def test_beliefs_of_a_blocked_way():
     assert not [atom for atom in present(driver) if atom.startswith("shut")]
 
 
+@pytest.mark.slow
 def test_beliefs_of_the_house_name_locations_of_things():
     driver = Driver.of_shipped("house.lp", "home.lp")
     assert {"robot_at(hallway,now)", "thing_at(book,study,now)"} <= set(present(driver))

@@ -294,6 +294,7 @@ class EndlessDriver(BusyDriver):
         return {key for key, outcome in ends(self).items() if outcome is Outcome.SUCCEEDED}
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize("before", [0, 1, 2, 4])
 def test_endless_goal_does_not_block_planning_of_others(before):
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})

@@ -113,6 +113,7 @@ def test_relevance_suggests_form_with_missing_argument():
     assert advice == "did you mean goal(office3,office2,1)?"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("files", "goals", "others"),
     [

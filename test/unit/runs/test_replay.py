@@ -101,6 +101,7 @@ def test_replay_refuses_an_invalid_plan(actions, why):
     assert why in report.line()
 
 
+@pytest.mark.slow
 def test_replay_refuses_a_plan_that_is_incomplete():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
     run = recorded(driver.journal)

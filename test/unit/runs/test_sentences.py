@@ -55,6 +55,7 @@ def test_sentences_ignore_unreadable_facts():
     assert sentences_of(broken).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
 
 
+@pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("files", "actions", "goal", "sentence"),
     [

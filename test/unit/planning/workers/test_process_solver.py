@@ -304,6 +304,7 @@ def test_new_worker_begins_with_the_plan_in_force():
         assert Plan.from_result(solver.update(FAILED)).rest(2).actions == worse.rest(2).actions
 
 
+@pytest.mark.slow
 def test_worker_answers_hypothetical_questions_like_a_solver():
     program = ReactiveProgram.from_text("#external e/1.\n#program cumulative(t).\n:- e(1), e(2), not e(3).\n")
     first, update = (parse_update(f"#step {text} #endstep.") for text in ("1 : 1.", '2 : 1. e(1). e(2). e("3").'))

@@ -165,6 +165,7 @@ def test_driving_leaves_alternating_door_for_another_way():
     assert drive.collisions == []
 
 
+@pytest.mark.slow
 def test_driving_continues_after_robot_is_moved():
     drive = Drive(simulation(room(walls=[WALL]), START))
 
