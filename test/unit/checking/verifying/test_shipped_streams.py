@@ -62,7 +62,7 @@ def on_a_small_floor(folder, facts, events, skipped=frozenset(), floor=THREE_OFF
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fact", ["_aboard", "_off"])
+@pytest.mark.parametrize("fact", sized(["_aboard"], ["_aboard", "_off"]))
 def test_verify_accepts_late_corrections_of_the_mailbot(fact):
     """For example, a package is reported aboard for a cycle before it was picked up."""
     _, verdict = on_a_small_floor(ENCODINGS, (fact,), 2, floor=sized(NEAR, THREE_OFFICES))

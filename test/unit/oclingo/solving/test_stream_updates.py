@@ -205,8 +205,7 @@ ALWAYS, IF_A, NEVER = (
         ("#anew. r(x,2).", ALWAYS, ALWAYS),
     ],
 )
-@pytest.mark.parametrize("before", [[], ["#step 1."]])
-@pytest.mark.parametrize("rule", ["w(X,t) :- r(X,t).", ""])
+@pytest.mark.parametrize(("before", "rule"), [([], "w(X,t) :- r(X,t)."), (["#step 1."], "")])
 @SOLVERS
 def test_open_predicate_can_be_defined_in_any_section(kind, rule, before, update, now, later):
     """Readers that reapply the updates, or restore the history, give the same answers."""

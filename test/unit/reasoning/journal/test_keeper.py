@@ -150,7 +150,7 @@ def size_of(journal):
 def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
     monkeypatch.setattr(database, "SYNCED", "OFF")
     monkeypatch.setattr(folder, "RECORDS", 20)
-    node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(80, 240)
+    node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(50, 240)
     for number in range(goals):
         node.goal(str(number), f"do({number})").succeed()
         sizes.append(size_of(node.folder))
