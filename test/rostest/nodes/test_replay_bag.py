@@ -36,7 +36,7 @@ from carrying_world import HOUSE, OFFICE, ROBOT
 from interface_helpers import Process, executable, init_node, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
-GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "12"))
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "8"))
 WORLDS = {"office": OFFICE, "house": HOUSE}
 CORE_TOPICS = [
     f"/{world}/{topic}"
@@ -60,7 +60,7 @@ def command(*words):
 
 def all_ended(world):
     """Return whether the latest ~goals of a core, which comes after the results, has no open goal."""
-    states = rospy.wait_for_message(f"/{world}/rosoclingo/goals", GoalStates, 10.0)
+    states = rospy.wait_for_message(f"/{world}/rosoclingo/goals", GoalStates, LIMIT)
     return all(goal.ended.to_sec() for goal in states.goals)
 
 
