@@ -41,16 +41,17 @@ WAITING = (
     "core_defence",
     "core_interrupted",
     "core_killed",
+    "core_launch",
     "core_start",
     "exactly_once",
     "hosts",
-    "interface_respawn",
     "long_actions",
     "lost_interface",
     "mailbot_killed",
     "master_restarted",
     "office",
     "office_killed",
+    "operated_pages",
     "operator",
     "recorder",
     "request_lost",
@@ -61,8 +62,9 @@ WAITING = (
     "simulator",
     "time_jump",
     "tutorial",
+    "web_page",
 )
-QUICK_ROSTESTS = ("core_start", "interface_respawn")
+QUICK_ROSTESTS = ("core_start", "shipped_interfaces")
 IN_PARALLEL = (f"--numprocesses={CORES}", "--dist=worksteal")
 # Most of these tests take milliseconds: collecting them in further processes, and rewriting assertions, takes longer.
 ONE_PROCESS = ("--numprocesses=0", "--assert=plain")

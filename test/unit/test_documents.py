@@ -5,7 +5,6 @@ import re
 import textwrap
 from pathlib import Path
 
-import pytest
 from test_house import imports_of
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_updates, solving
@@ -38,20 +37,22 @@ def links(path):
     return [one for one in LINK.findall(prose(path)) if not re.match(r"\w+:", one)]
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
-def test_documents_links_have_targets(path):
-    for link in links(path):
-        name, _, anchor = link.partition("#")
-        target = (path.parent / name).resolve() if name else path
-        assert target.exists(), link
-        assert not anchor or anchor in anchors(target), link
+def has_target(path, link):
+    """Return whether the target of a page's link exists."""
+    name, _, anchor = link.partition("#")
+    target = (path.parent / name).resolve() if name else path
+    return target.exists() and (not anchor or anchor in anchors(target))
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
-def test_documents_name_existing_files(path):
-    for name in FILE.findall(path.read_text(encoding="utf-8")):
-        from_workspace = name.replace("src/rosoclingo/", "", 1)  # where this folder is src/rosoclingo
-        assert (ROOT / name).is_file() or (ROOT / from_workspace).is_file(), name
+def test_documents_links_have_targets():
+    assert not [(path.name, link) for path in PAGES for link in links(path) if not has_target(path, link)]
+
+
+def test_documents_name_existing_files():
+    for path in PAGES:
+        for name in FILE.findall(path.read_text(encoding="utf-8")):
+            from_workspace = name.replace("src/rosoclingo/", "", 1)  # where this folder is src/rosoclingo
+            assert (ROOT / name).is_file() or (ROOT / from_workspace).is_file(), (path.name, name)
 
 
 def test_documents_index_has_every_page():
@@ -88,10 +89,11 @@ def test_documents_reliability_promises_have_tests():
     assert [row for row, names in promises() if not names] == []
 
 
-@pytest.mark.parametrize(("row", "name"), [(row, name) for row, names in promises() for name in names])
-def test_documents_reliability_tests_exist(row, name):
-    folder, file = ("unit", f"{name}.py") if name.startswith("test_") else ("rostest", f"{name}.test")
-    assert list((ROOT / "test" / folder).rglob(file)), row
+def test_documents_reliability_tests_exist():
+    files = {path.name for folder in ("unit", "rostest") for path in (ROOT / "test" / folder).rglob("*.*")}
+    suffix = {True: ".py", False: ".test"}
+    named = [(row, name + suffix[name.startswith("test_")]) for row, names in promises() for name in names]
+    assert not [one for one in named if one[1] not in files]
 
 
 # ---- the tree of packages
@@ -158,36 +160,36 @@ def test_documents_drawing_shows_the_whole_way():
     assert {line[1] for line in drawing()} == {None, "-->", "..>", "==>", "~~>"}
 
 
-@pytest.mark.parametrize("line", drawing(), ids=lambda line: line[2])
-def test_documents_drawing_files_exist(line):
-    assert (PACKAGE / line[2]).is_file()
+def drawn(arrow):
+    """Return the lines of the drawing with an arrow: (parent's file, file, words)."""
+    return [(parent, file, words) for parent, own, file, words in drawing() if own == arrow]
 
 
-@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "-->"], ids=lambda line: line[2])
-def test_documents_drawing_imports_are_imports(line):
-    assert imports(line[0], line[2])
+def test_documents_drawing_files_exist():
+    assert all((PACKAGE / line[2]).is_file() for line in drawing())
 
 
-@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "..>"], ids=lambda line: line[2])
-def test_documents_drawing_handovers_come_from_the_root(line):
-    parent, _, file, _ = line
-    assert not imports(parent, file), "it is an import: draw -->"
-    assert imports(drawing()[0][2], file)
+def test_documents_drawing_imports_are_imports():
+    for parent, file, _ in drawn("-->"):
+        assert imports(parent, file), (parent, file)
 
 
-@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "==>"], ids=lambda line: line[2])
-def test_documents_drawing_processes_are_started_by_name(line):
-    parent, _, file, _ = line
-    assert not imports(parent, file)
-    assert module(file) in texts_of(parent)
+def test_documents_drawing_handovers_come_from_the_root():
+    for parent, file, _ in drawn("..>"):
+        assert not imports(parent, file), f"{file} is an import: draw -->"
+        assert imports(drawing()[0][2], file), file
 
 
-@pytest.mark.parametrize("line", [line for line in drawing() if line[1] == "~~>"], ids=lambda line: line[2])
-def test_documents_drawing_topics_are_named_at_both_ends(line):
-    parent, _, file, words = line
-    topic = words.partition(":")[0].split()[-1]
-    assert topic in texts_of(parent)
-    assert topic in texts_of(file)
+def test_documents_drawing_processes_are_started_by_name():
+    for parent, file, _ in drawn("==>"):
+        assert not imports(parent, file), (parent, file)
+        assert module(file) in texts_of(parent), (parent, file)
+
+
+def test_documents_drawing_topics_are_named_at_both_ends():
+    for parent, file, words in drawn("~~>"):
+        topic = words.partition(":")[0].split()[-1]
+        assert topic in texts_of(parent) & texts_of(file), (topic, parent, file)
 
 
 # ---- the solver's loop ----------------------------------------------------------------------------------------------
