@@ -22,6 +22,7 @@ def task(offices, count, seed=1):
 @pytest.mark.slow
 def test_many_goals_rows_for_batch_and_stream(monkeypatch):
     monkeypatch.setattr(peers, "folder_of", lambda package: None)
+    monkeypatch.setattr(comparison.CoreParameters, "plan_time", 0.05)
     once = many_goals.measure_row("4", 3, "once", OPTIONS)
     assert once["first"] == once["all"] >= once["executed"] == 12
     assert once["wait"] == 0
