@@ -13,7 +13,7 @@ SYSTEM = "/usr/bin:/bin"
 
 def dev(*arguments, **variables):
     environment = {**os.environ, "ROSOCLINGO_HOME": "/proc/no/folder", **variables}  # where nothing can be set up
-    done = subprocess.run([ROOT / "dev", *arguments], env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([ROOT / "dev", *arguments], env=environment, capture_output=True, text=True, timeout=300)
     return done.returncode, done.stderr
 
 
@@ -38,7 +38,7 @@ def test_dev_edits_while_it_runs_have_no_effect(tmp_path):
     editor.write_text(f'#!/bin/sh\necho "echo edited" >>"{script}"\nexec /bin/cat "$@"\n')
     editor.chmod(0o755)
     variables = {**os.environ, "PATH": f"{tmp_path}:{SYSTEM}"}
-    done = subprocess.run([script, "help"], env=variables, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([script, "help"], env=variables, capture_output=True, text=True, check=False, timeout=300)
     assert script.read_text().endswith("echo edited\n")
     assert done.returncode == 0
     assert "usage: ./dev" in done.stdout
@@ -174,7 +174,7 @@ def test_dev_compiled_file_times_follow_from_contents(tmp_path):
         file.parent.mkdir(parents=True)
         file.write_text(text)
         script = f"set -eu; SOURCE=$1; same_times() {{{function}\n}}; same_times"
-        subprocess.run(["bash", "-c", script, "-", str(file.parents[5])], check=True, timeout=60)
+        subprocess.run(["bash", "-c", script, "-", str(file.parents[5])], check=True, timeout=300)
         times.append(file.stat().st_mtime)
     assert times[0] == times[1] != times[2]
     assert max(times) < 1e9

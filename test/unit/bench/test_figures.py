@@ -68,10 +68,6 @@ def test_figures_are_read_as_written(tmp_path):
     assert first == {"name": "an update", "value": 2.5, "unit": "ms", "better": "lower"}
 
 
-def test_figures_are_not_written_without_a_file():
-    write(None, [UPDATE])
-
-
 @pytest.mark.parametrize(
     "line",
     [

@@ -36,7 +36,7 @@ class Repository:
 
     def git(self, *words):
         name = ("-c", "user.name=test", "-c", "user.email=test@localhost")
-        subprocess.run(["git", *name, *words], cwd=self.folder, check=True, timeout=60)
+        subprocess.run(["git", *name, *words], cwd=self.folder, check=True, timeout=300)
 
     def write(self, name, text):
         path = self.folder / name

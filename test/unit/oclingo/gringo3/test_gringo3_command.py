@@ -15,7 +15,7 @@ SCRIPT = ROOT / "scripts" / "gringo3to5"
 def run(*arguments, stdin=b"", folder=None):
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "utf-8"}
     command = [sys.executable, str(SCRIPT), *map(str, arguments)]
-    done = subprocess.run(command, input=stdin, capture_output=True, cwd=folder, env=environment, timeout=60)
+    done = subprocess.run(command, input=stdin, capture_output=True, cwd=folder, env=environment, timeout=300)
     return done.returncode, done.stdout.decode(), done.stderr.decode()
 
 

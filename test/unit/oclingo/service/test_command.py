@@ -98,7 +98,7 @@ class Serving:
         """Send a signal, if any; return exit code and standard error."""
         if number is not None:
             self.process.send_signal(number)
-        error = self.process.communicate(timeout=60)[1]
+        error = self.process.communicate(timeout=300)[1]
         return self.process.returncode, error
 
     def __enter__(self):
@@ -314,7 +314,7 @@ def test_ctrl_c_interrupts_only_the_search(files):
             pass
         process.send_signal(signal.SIGINT)
         assert process.stdout.readline().startswith("Interrupted at horizon ")
-        output, error = process.communicate("#step 1 : 0. #endstep.\n#stop.\n", timeout=60)
+        output, error = process.communicate("#step 1 : 0. #endstep.\n#stop.\n", timeout=300)
     assert "UNSAT at step " in output
     assert (process.returncode, error) == (0, "")
 
