@@ -50,8 +50,14 @@ CLOSED_PIECE = 16
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
 
-RUNNING_ACTIONS = "#external _running(A,P,t) : _action_lib(A,P,t)."
-"""Externals for the actions that can go on, so that updates about them need no regrounding."""
+FOLLOWING = 8
+"""Number of steps after the present one in which updates about running actions need no regrounding.
+
+In these steps, each action has an external and all that depends on it, so searches with more of them take longer.
+"""
+
+RUNNING_ACTIONS = "#external _running(A,P,t) : _action_lib(A,P,t), t <= {}."
+"""Externals for the actions that can go on until a step."""
 
 _TOO_LATE = "Head {} comes too late: steps before {} are compacted. The entire rule will be ignored."
 
@@ -117,8 +123,8 @@ class Grounding(StepwiseGrounding):
 
     def _return_parts(self, rules: ReturnRules) -> List[Tuple[str, List[str], str]]:
         """Return the program parts with the rules for predicted returns."""
-        running = RUNNING in self.program.open_signatures
-        return [*rules.texts, *([("cumulative", ["t"], RUNNING_ACTIONS)] if running else [])]
+        running, last = RUNNING in self.program.open_signatures, self.snapshot.step + FOLLOWING
+        return [*rules.texts, *([("cumulative", ["t"], RUNNING_ACTIONS.format(last))] if running else [])]
 
     def _build(self, horizon: int) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""

@@ -40,9 +40,6 @@ LEAST_STEPS = 16
 MANY_STEPS = 64
 """Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
 
-FOLLOWING = 32
-"""Greatest number of steps for which a grounding is used after its search; closed cycles are smaller in a new one."""
-
 LONG = 10
 """Number of updates after which a checkpoint follows a search."""
 
@@ -211,7 +208,7 @@ class PlanSolver(PlanningSolver):
         runner = None if self._searched is None else self._searched.runner
         if RUNNING not in self.program.open_signatures or runner is None:
             return None
-        return runner.following(snapshot) if snapshot.step <= runner.grounding.snapshot.step + FOLLOWING else None
+        return runner.following(snapshot)
 
     def _warnings(self, runner: StrategyRunner) -> Iterator[str]:
         """Yield warnings about the last update, and new remarks of clingo."""
