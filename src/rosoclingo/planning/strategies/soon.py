@@ -9,7 +9,7 @@ at once.
 
 from typing import Generator, List, NamedTuple, Optional, TypeVar
 
-from rosoclingo.planning.history import Plan
+from rosoclingo.planning.history import Plan, delay
 from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.improve import FEW_STEPS
 from rosoclingo.planning.strategies.trim import trimmed
@@ -40,6 +40,9 @@ With a lower limit, the horizon grows far beyond the length of a plan before any
 
 LEAST_CONFLICTS = 1000
 """Limit of conflicts for a question about the least horizon that is not refuted."""
+
+LATER = 2
+"""Number of steps by which actions of the last plan can be late, if other actions go on."""
 
 KEPT = 0.1
 """Fraction of the time limit for shorter plans if the last plan is still valid, or if actions go on: no robot waits."""
@@ -95,7 +98,8 @@ class FirstPlanSearch:
     def _keep_plan(self) -> _Asks[Optional[Reply]]:
         """Return the rest of the last plan if it is still a plan, unchanged or delayed by one step; otherwise None.
 
-        If actions go on, only the further actions of the same robots are delayed.
+        If actions go on, only the further actions of the same robots are delayed. If this is no plan, because robots
+        get in each other's way, any actions can be late.
         """
         if self._plan is None:
             return None
@@ -111,18 +115,39 @@ class FirstPlanSearch:
                 if plan is rest and self._succeeds:
                     return reply
                 return (yield from self._trimmed(reply))
+        if running:
+            end = self._end
+            reply = yield from self._ask_later(plans[0])
+            if reply.satisfiable:
+                return (yield from self._trimmed(reply))
+            self._end = end  # other plans need no more steps
         self._rests = [] if running else [plan for plan in plans if plan.actions]
         return None
+
+    def _ask_later(self, plan: Plan) -> _Asks[Reply]:
+        """Ask for a plan with actions of ``plan`` only, in which each can be up to :data:`LATER` steps late."""
+        last = max(self._least, plan.horizon) + LATER
+        if not self._reach(last):
+            return UNKNOWN
+        allowed = {delay(action, late) for action in plan.actions for late in range(LATER + 1)}
+        given = [(one, False) for one in self._runner.actions(self._runner.step, last) if one not in allowed]
+        return (yield from self._ask(self._least, last, CONFLICTS, given))
+
+    def _reach(self, last: int) -> bool:
+        """Ground the steps up to ``last``; return whether that is possible."""
+        if last > self._end:
+            if not self._idles or last > self._runner.last(last):
+                return False
+            more = self._runner.block if self._runner.snapshot.running else 0  # the next update delays the plan again
+            self._end = max(last, self._runner.last(last + more))
+        self._runner.ground(self._end)
+        return True
 
     def _ask_exactly(self, plan: Plan) -> _Asks[Reply]:
         """Ask whether exactly the actions of ``plan`` are a plan."""
         last = max(self._least, plan.horizon)
-        if last > self._end:
-            if not self._idles or last > self._runner.last(last):
-                return UNKNOWN
-            more = self._runner.block if self._runner.snapshot.running else 0  # the next update delays the plan again
-            self._end = max(last, self._runner.last(last + more))
-        self._runner.ground(self._end)
+        if not self._reach(last):
+            return UNKNOWN
         actions = self._runner.actions(self._runner.step, last + 1)
         if not plan.actions.issubset(actions):
             return Reply(False)

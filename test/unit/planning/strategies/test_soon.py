@@ -14,7 +14,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import soon
-from rosoclingo.planning.strategies.soon import KEPT, FirstPlanSearch
+from rosoclingo.planning.strategies.soon import KEPT, LATER, FirstPlanSearch
 
 # ---- Questions -------------------------------------------------------------------------------------------------------
 
@@ -177,6 +177,21 @@ def test_soon_delays_only_the_robot_whose_action_goes_on(searches):
     first = [f"_action_lib(go(r1),{place},{place})" for place in (2, 3, 4)]
     assert found == [*first, *(f"_action_lib(go(r2),{place},{place + 1})" for place in (1, 2, 3, 4))]
     assert searches == [(5, 5), (2, 5)], "the delayed plan, and its trimming"
+
+
+def test_soon_delays_other_robots_if_one_is_in_the_way(searches):
+    """The delayed plan breaks the last rule of the program."""
+    solver = PlanSolver(
+        ReactiveProgram.from_text(f"{CARTS} #program cumulative(t). :- at(r1,3,t), at(r2,2,t)."), plan_time=0.0
+    )
+    solver.update(parse_update("#step 1. _request(go,1). #endstep."))
+    searches.clear()
+    sent = ":- not _action_lib(go(r1),1,1). :- not _action_lib(go(r2),1,1)."
+    news = "_running(go(r2),1,1). _return(go(r1),1,1)."
+    result = solver.update(parse_update(f"#step 2. #closed 1. {sent} {news} #endstep."))
+    found = [str(one) for one in Plan.from_result(result).actions if cycle_of(one) > 1]
+    assert len(found) == 7, "each cart goes on"
+    assert searches[:2] == [(5, 5), (2, 5 + LATER)], "the delayed plan, and any later one"
 
 
 def test_soon_returns_the_best_answer_in_time(monkeypatch):
