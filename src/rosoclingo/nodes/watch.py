@@ -30,18 +30,11 @@ _PLAN = "rosoclingo/TaskPlan"
 _TURN = 0.2
 
 
-_DESCRIPTION = """Print an account of a running system until Ctrl-C, then a summary; or the account of a bag.
-
-A late start is possible: the account then begins with the present plan and goals. Actions are in the words of the
-program, ``_says(move_base,"drives to {}").`` among its facts. The exit code is 0, 2 without a master or such a run.
-"""
-
-
 @exits_on_broken_pipe
-def main(arguments: Optional[Sequence[str]] = None, say: Say = _PRINT) -> int:
+def main(description: Optional[str], arguments: Optional[Sequence[str]] = None, say: Say = _PRINT) -> int:
     """Run the command; return its exit code."""
     parser = argparse.ArgumentParser(
-        prog="watch", description=_DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="watch", description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("bag", nargs="?", type=Path, metavar="RUN.bag", help="a recording; needs no master")
     parser.add_argument("--state", action="store_true", help="also print each change of the program's beliefs")
