@@ -3,8 +3,9 @@
 from types import SimpleNamespace
 
 from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.planning.history import cycle_of
-from rosoclingo.planning.question import UNKNOWN, Reply, StoppedError
+from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -49,7 +50,7 @@ class FakeGrounding:
             found = None
         return found, " ".join(self.asked)
 
-    def build(self, _snapshot, horizon):
+    def build(self, _snapshot, horizon, stopped):
         if horizon > self.horizon:
             self.grow_to(horizon)
         return self

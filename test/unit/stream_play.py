@@ -8,7 +8,7 @@ from unittest import mock
 import pytest
 from stream_logs import copied, cut, texts
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
@@ -80,9 +80,14 @@ def check_stream(way, program, *updates):
 
 
 def drop_grounding(solver):
-    """Force an incremental solver to reground, by an update that is dropped."""
-    with pytest.raises(DroppedError):
-        solver.update(parse_update("#step 99. #endstep."), None, lambda: True)
+    """Force an incremental solver to reground, by an update that fails."""
+    with pytest.raises(KeyboardInterrupt):
+        solver.update(parse_update("#step 99. #endstep."), interrupt)
+
+
+def interrupt():
+    """Raise an error; a stop callback that clingo does not expect."""
+    raise KeyboardInterrupt
 
 
 def stop_after(looks):

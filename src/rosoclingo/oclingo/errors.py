@@ -56,3 +56,10 @@ class SolverError(OclingoError):
 
 class DroppedError(SolverError):
     """A request was dropped because the solver was stopped, killed or crashed; its state is unchanged."""
+
+
+class StoppedError(DroppedError):
+    """The solver was stopped before it had a result."""
+
+    def __init__(self, message: str = "stopped while grounding the program; the request was discarded") -> None:
+        super().__init__(message)

@@ -33,7 +33,7 @@ SHOWN_STEPS = 10
 """Number of compacted steps whose shown atoms answers still contain."""
 
 
-def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped: Stop = never) -> Optional[Snapshot]:
+def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped: Stop = never) -> Optional[Snapshot]:
     """Return the ``snapshot`` without its decided steps; None if no step is decided.
 
     Undefined externals of past steps become false. No step is decided while a statement can lapse. ``plan`` is the plan
@@ -42,7 +42,7 @@ def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped:
     start, end = first_open(program, snapshot), end_of_past(program, snapshot)
     if end <= start or any(snapshot.lapsing):
         return None
-    grounding = _past(program, snapshot, plan, dropped)
+    grounding = _past(program, snapshot, plan, stopped)
     if grounding.shown is None or grounding.is_cyclic:
         return None
     grounding.forget(start, end - 1, base=False)
@@ -53,13 +53,13 @@ def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped:
     return _without_fixed_steps(grounding, snapshot, fixed, facts) if fixed.first > start else None
 
 
-def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, dropped: Stop) -> Grounding:
+def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped: Stop) -> Grounding:
     """Return a grounding of the past and present steps, with an answer for the actions of ``plan``.
 
     The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
     """
     step = snapshot.step
-    grounding = Grounding(program, replace(snapshot, horizon=step), step, dropped=dropped)
+    grounding = Grounding(program, replace(snapshot, horizon=step), step, stopped=stopped)
     horizon = step + max(program.windows)
     actions = plan.fixing(grounding.actions(program.first_step, step))
     grounding.ask(Question(horizon, horizon, actions, believes=False), never)

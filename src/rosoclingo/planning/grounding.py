@@ -19,7 +19,7 @@ from weakref import proxy
 import clingo
 from clingo.propagator import Propagator
 
-from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
@@ -85,17 +85,17 @@ class Grounding(StepwiseGrounding):
         snapshot: Snapshot,
         horizon: int,
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
-        dropped: Stop = never,
+        stopped: Stop = never,
         predicts: bool = False,
     ) -> None:
-        """Ground ``program`` up to ``horizon``; raises SolverError if clingo rejects it.
+        """Ground ``program`` up to ``horizon``; raises SolverError if clingo rejects it, and StoppedError.
 
         Args:
             program: the reactive logic program.
             snapshot: the snapshot of the history.
             horizon: the last step to ground.
             assumable: the facts that a question can disable.
-            dropped: called between pieces; if it returns true, DroppedError is raised.
+            stopped: called between two pieces of steps; if it returns true, StoppedError is raised.
             predicts: whether replies contain predicted returns.
 
         """
@@ -110,14 +110,14 @@ class Grounding(StepwiseGrounding):
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.statements: List[TimedStatement] = []
         self.ground_parts: List[Tuple[range, Parts]] = []
-        self._dropped, self._compacted = dropped, frozenset(atom for _, atom in self.past.shown)
+        self._compacted = frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
         self._asserted: FrozenSet[clingo.Symbol] = frozenset()
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
         self._clasp = self._load([] if self._return_rules is None else self._return_parts(self._return_rules))
-        self._build(horizon)
+        self._build(horizon, stopped)
 
     # ---- Building ----------------------------------------------------------------------------------------------------
 
@@ -126,7 +126,7 @@ class Grounding(StepwiseGrounding):
         running, last = RUNNING in self.program.open_signatures, self.snapshot.step + FOLLOWING
         return [*rules.texts, *([("cumulative", ["t"], RUNNING_ACTIONS.format(last))] if running else [])]
 
-    def _build(self, horizon: int) -> None:
+    def _build(self, horizon: int, stopped: Stop) -> None:
         """Ground base and the steps up to ``horizon``, and add the snapshot's statements."""
         snapshot = self.snapshot
         opened = [one for one in self._new_open(snapshot) if not snapshot.is_too_late(self.program, one)]
@@ -136,9 +136,9 @@ class Grounding(StepwiseGrounding):
         self._ground_base()
         base_atoms = len(self._control.symbolic_atoms)
         self._add_past(self.past.facts)
-        self._ground_closed(horizon)
+        self._ground_closed(horizon, stopped)
         self._step_atoms = base_atoms  # an estimate, until an open step is grounded
-        for last in pieces(self.horizon + 1, horizon, self.piece, snapshot.keep_from):
+        for last in pieces(self.horizon + 1, horizon, self.piece, stopped, snapshot.keep_from):
             self.ground_to(last)
         for cycle, executed in snapshot.closed.items():
             self._actions.close_cycle(cycle, executed)
@@ -161,9 +161,7 @@ class Grounding(StepwiseGrounding):
         self._ends.expire()
 
     def ground_to(self, last: int) -> None:
-        """Ground the steps up to ``last`` in one call; raises DroppedError."""
-        if self._dropped():
-            raise DroppedError("stopped while regrounding the program; the request was discarded")
+        """Ground the steps up to ``last`` in one call."""
         steps, atoms = last - self.horizon, len(self._control.symbolic_atoms)
         super().ground_to(last)
         self._step_atoms = (len(self._control.symbolic_atoms) - atoms) // steps
@@ -172,7 +170,7 @@ class Grounding(StepwiseGrounding):
     def _limit(self, guard: int, first: int, last: int) -> None:
         self._ends.define_window(guard, first, last)
 
-    def _ground_closed(self, horizon: int) -> None:
+    def _ground_closed(self, horizon: int, stopped: Stop) -> None:
         """Ground the steps of closed cycles together with their actions, unless facts are assumable.
 
         With known actions these steps are small: most of their atoms are facts or false.
@@ -182,7 +180,7 @@ class Grounding(StepwiseGrounding):
         snapshot, first = self.snapshot, self.horizon + 1
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}
         end = min(horizon, snapshot.closed_until(first))
-        for last in pieces(first, end, lambda: CLOSED_PIECE, snapshot.keep_from):
+        for last in pieces(first, end, lambda: CLOSED_PIECE, stopped, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
             self.ground_to(last)
             for cycle in steps:
@@ -368,9 +366,15 @@ class Grounding(StepwiseGrounding):
         return predict(self._actions.among(self.shown or ()), rules, can_arrive, is_true)
 
 
-def pieces(first: int, end: int, size: Callable[[], int], keep_from: int = 0) -> Iterator[int]:
-    """Yield the last step of each piece of ``first`` to ``end``; one piece ends before ``keep_from``."""
+def pieces(first: int, end: int, size: Callable[[], int], stopped: Stop, keep_from: int = 0) -> Iterator[int]:
+    """Yield the last step of each piece of ``first`` to ``end``; one piece ends before ``keep_from``.
+
+    Raises StoppedError between two pieces if ``stopped`` returns true.
+    """
+    begin = first
     while first <= end:
+        if first > begin and stopped():
+            raise StoppedError
         last = min(first + size() - 1, end)
         if first < keep_from <= last:
             last = keep_from - 1

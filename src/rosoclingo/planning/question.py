@@ -104,11 +104,8 @@ UNKNOWN = Reply(None)
 Result = TypeVar("Result")
 
 Strategy = Generator[Question, Reply, Result]
-"""Yields questions, receives the replies and returns its result."""
+"""Yields questions, receives the replies and returns its result.
 
-
-class StoppedError(Exception):
-    """The search was stopped.
-
-    It is thrown into the running strategy, which returns the best result so far or lets the error pass.
-    """
+A stop throws :class:`~rosoclingo.oclingo.errors.StoppedError` into it. Then it returns the best result so far or lets
+the error pass.
+"""

@@ -10,7 +10,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 
 import clingo
 
-from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import reports_only_success
@@ -22,7 +22,7 @@ from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import UNKNOWN, Reply, Stop, StoppedError, never
+from rosoclingo.planning.question import UNKNOWN, Reply, Stop, never
 from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.strategies.improve import Improvement
@@ -61,7 +61,8 @@ class PlanSolver(PlanningSolver):
     """Solves a reactive logic program under a stream of updates; answers are plans, without actions after the horizon.
 
     Not thread-safe. The ``stopped`` functions are polled every few milliseconds of wall time while clingo searches, and
-    before each piece of steps is grounded. A stopped search has the outcome INTERRUPTED.
+    between two pieces of steps while it grounds. A stopped search has the outcome INTERRUPTED. A stop while the program
+    is grounded for an update discards the update and raises StoppedError.
     """
 
     def __init__(
@@ -72,7 +73,6 @@ class PlanSolver(PlanningSolver):
         log_limit: int = LONG,
         plan_time: Optional[float] = None,
         idles: Optional[bool] = None,
-        dropped: Stop = never,
     ) -> None:
         """Create a solver with an empty history.
 
@@ -84,11 +84,10 @@ class PlanSolver(PlanningSolver):
             plan_time: the time limit for shortest plans, in seconds of processor time. After it, the answer is the best
                 plan so far, or else the first plan found. None for no limit.
             idles: whether answers stay valid when further steps are grounded; None to test it.
-            dropped: polled while the program is grounded; if it returns true, DroppedError is raised.
 
         """
         super().__init__()
-        self.program, self._dropped = program, dropped
+        self.program = program
         self.models = models
         self._horizon_limit, self._log_limit = horizon_limit, log_limit
         self._plan_time = plan_time
@@ -132,8 +131,8 @@ class PlanSolver(PlanningSolver):
         if not result.answers:
             self._checked_until = end_of_past(self.program, self.snapshot)  # a later update can correct these steps
         if self._steps_to_check >= MANY_STEPS:
-            with suppress(DroppedError):
-                self.checkpoint()
+            with suppress(StoppedError):
+                self.checkpoint(stopped)
         elif self.log.is_longer(self._log_limit, self.snapshot):
             self._replace_log(self.log.checkpoint(self.snapshot))
         return result
@@ -188,17 +187,17 @@ class PlanSolver(PlanningSolver):
     def _runner(
         self,
         snapshot: Snapshot,
-        halt: Stop,
+        stopped: Stop,
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
     ) -> StrategyRunner:
-        """Return a runner for strategies that ask about ``snapshot``."""
+        """Return a runner for strategies that ask about ``snapshot``; raises StoppedError."""
 
-        def build(snapshot: Snapshot, horizon: int) -> Grounding:
+        def build(snapshot: Snapshot, horizon: int, stopped: Stop) -> Grounding:
             predicts = self._predicts and not assumable
-            return Grounding(self.program, snapshot, horizon, assumable, self._dropped, predicts)
+            return Grounding(self.program, snapshot, horizon, assumable, stopped, predicts)
 
-        idles = may_idle(self.program, halt) if self._idles is None else self._idles
-        return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit)
+        idles = may_idle(self.program, stopped) if self._idles is None else self._idles
+        return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit, stopped)
 
     def _following(self, snapshot: Snapshot) -> Optional[StrategyRunner]:
         """Return a runner that uses the grounding of the last search; None if it has to be regrounded.
@@ -247,7 +246,7 @@ class PlanSolver(PlanningSolver):
             improvement = self._improvement = Improvement(plan, *place)
         try:
             runner, returns = self._last_search(halt)
-        except DroppedError:
+        except StoppedError:
             return None
         if runner.grounding.is_cyclic:
             return None
@@ -308,13 +307,13 @@ class PlanSolver(PlanningSolver):
         unbounded = replace(update, bound=None)
         key = self.log.key, unbounded, assumable
         probed, self._probed = self._probed, None  # no cache remains after an error
-        if probed is None or probed.key != key or probed.runner.block == 1:
-            snapshot = self.snapshot.with_update(unbounded, self.program)
-            probed = _Cached(key, self._runner(replace(snapshot, bound=None), halt, assumable))
-        runner = probed.runner
-        last = runner.last(None if update.bound is None else runner.step + update.bound)
-        end = max(self.horizon, runner.snapshot.horizon, last)
         try:
+            if probed is None or probed.key != key or probed.runner.block == 1:
+                snapshot = self.snapshot.with_update(unbounded, self.program)
+                probed = _Cached(key, self._runner(replace(snapshot, bound=None), halt, assumable))
+            runner = probed.runner
+            last = runner.last(None if update.bound is None else runner.step + update.bound)
+            end = max(self.horizon, runner.snapshot.horizon, last)
             reply = runner.run(probe(runner, end, disabled, kept, believes), halt)
         except StoppedError:
             reply = UNKNOWN
@@ -333,7 +332,7 @@ class PlanSolver(PlanningSolver):
             return
         snapshot, plan, compact = self.snapshot, self.log.plan, None
         if plan is not None and self._steps_to_check >= LEAST_STEPS:
-            compact = compacted(self.program, snapshot, plan, self._dropped)
+            compact = compacted(self.program, snapshot, plan, stopped)
             self._checked_until = 0 if compact is not None else end_of_past(self.program, snapshot)
         self._replace_log(self.log.checkpoint(compact or snapshot))
 

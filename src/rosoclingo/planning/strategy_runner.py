@@ -6,17 +6,18 @@ from typing import Callable, FrozenSet, List, Optional, TypeVar
 
 import clingo
 
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding, pieces
-from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, StoppedError, Strategy, never
+from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, Strategy, never
 from rosoclingo.planning.snapshot import Snapshot
 
 T = TypeVar("T")
 
-Build = Callable[[Snapshot, int], Grounding]
-"""Grounds the program with a snapshot up to a horizon."""
+Build = Callable[[Snapshot, int, Stop], Grounding]
+"""Grounds the program with a snapshot up to a horizon; raises StoppedError."""
 
 
 class StrategyRunner:
@@ -33,14 +34,23 @@ class StrategyRunner:
     """
 
     def __init__(
-        self, program: ReactiveProgram, snapshot: Snapshot, build: Build, block: int, limit: Optional[int] = None
+        self,
+        program: ReactiveProgram,
+        snapshot: Snapshot,
+        build: Build,
+        block: int,
+        limit: Optional[int] = None,
+        stopped: Stop = never,
     ) -> None:
-        """Ground the program up to the horizon of ``snapshot``; steps after ``limit`` are never grounded."""
+        """Ground the program up to the horizon of ``snapshot``; raises StoppedError if ``stopped`` returns true.
+
+        Steps after ``limit`` are never grounded.
+        """
         self.program, self.snapshot, self.block = program, snapshot, block
         self._build, self._limit = build, limit
-        self.grounding = build(snapshot, snapshot.horizon)
+        self.grounding = build(snapshot, snapshot.horizon, stopped)
         self.seconds = 0.0
-        self.is_stopped: Stop = never
+        self.is_stopped: Stop = stopped
         self._asserted: FrozenSet[clingo.Symbol] = frozenset()
         self._executed: Assumptions = ()
 
@@ -128,13 +138,11 @@ class StrategyRunner:
     def ground(self, horizon: int) -> None:
         """Extend the grounding in pieces up to ``horizon``, or build a new one; raises StoppedError."""
         size = self.grounding.piece if self.grounding.grows else lambda: horizon
-        for last in pieces(self.horizon + 1, horizon, size):
-            if self.is_stopped():
-                raise StoppedError
+        for last in pieces(self.horizon + 1, horizon, size, self.is_stopped):
             if self.grounding.grows:
                 self.grounding.grow_to(last)
             else:
-                self.grounding = self._build(self.snapshot.with_horizon(last, self.program), last)
+                self.grounding = self._build(self.snapshot.with_horizon(last, self.program), last, self.is_stopped)
 
     # ---- Implementation ----------------------------------------------------------------------------------------------
 

@@ -13,13 +13,12 @@ from hypothesis import strategies as st
 from plain_walk import EARLY, next_update
 from recorded_streams import DOMAINS, Domain
 from stream_logs import text_of
-from stream_play import check_answer, delay_plan, stop_after
+from stream_play import check_answer, delay_plan, interrupt, stop_after
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, StreamUpdate, commitment
+from rosoclingo.oclingo import ReactiveProgram, SolverError, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Expire
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan, cycle_of
-from rosoclingo.planning.question import never
 from rosoclingo.planning.solver import PlanSolver
 
 RING = ReactiveProgram.from_text(
@@ -62,8 +61,8 @@ class Trip:
 
     def __init__(self, name, draw, plan_time, models=1):
         self.domain, self.draw, self.plan_time, self.models = PROGRAMS[name], draw, plan_time, models
-        self.dropping, limit = False, draw.choice([2, 10, 100])
-        self.solver = self.new_solver(plan_time=plan_time, log_limit=limit, dropped=lambda: self.dropping)
+        limit = draw.choice([2, 10, 100])
+        self.solver = self.new_solver(plan_time=plan_time, log_limit=limit)
         if plan_time is not None:  # the first plans are long, as the first grounding has many steps
             self.solver.restore(History().with_entries(AcceptedUpdate(None, draw.randint(8, 16))))
         self.whole = self.read = self.solver.log
@@ -134,10 +133,9 @@ class Trip:
         self.facts -= facts
 
     def drop(self):
-        before, self.dropping = self.solver.log, True
-        with pytest.raises(DroppedError):
-            self.solver.search(self.next(), never)
-        self.dropping = False
+        before = self.solver.log
+        with pytest.raises(KeyboardInterrupt):
+            self.solver.search(self.next(), interrupt)
         assert self.solver.log is before
 
     def refuse(self):

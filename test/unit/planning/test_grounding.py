@@ -7,9 +7,10 @@ from itertools import count
 import pytest
 from stream_play import SOLVERS, play, solver_of
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, parse_atom
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.planning.grounding import Grounding, pieces
-from rosoclingo.planning.question import Question
+from rosoclingo.planning.question import Question, never
 from rosoclingo.planning.snapshot import Snapshot
 
 
@@ -38,13 +39,13 @@ PROGRAM = ReactiveProgram.from_text("#cumulative t. #external e(t). { a(t) }. #v
     ],
 )
 def test_pieces_end_where_compaction_can_start(keep_from, end, ends):
-    assert list(pieces(1, end, lambda: 4, keep_from)) == ends
+    assert list(pieces(1, end, lambda: 4, never, keep_from)) == ends
 
 
-def test_dropped_grounding_ends_between_two_pieces():
+def test_stopped_grounding_ends_between_two_pieces():
     looks = []
-    with pytest.raises(DroppedError):
-        Grounding(PROGRAM, Snapshot(), 1000, dropped=lambda: looks.append(1) or len(looks) > 3)
+    with pytest.raises(StoppedError):
+        Grounding(PROGRAM, Snapshot(), 1000, stopped=lambda: looks.append(1) or len(looks) > 3)
     assert len(looks) == 4
 
 

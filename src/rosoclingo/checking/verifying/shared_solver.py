@@ -19,7 +19,7 @@ from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, Stop, StoppedError
+from rosoclingo.planning.question import Question, Read, Reply, Stop
 from rosoclingo.planning.snapshot import Snapshot
 
 Readers = Callable[[Grounding, int], Sequence[Read]]
@@ -30,6 +30,10 @@ _FIRST, _GROWTH = 16, 2
 
 _MOST = 16
 """Greatest number of answers of one update with different present actions."""
+
+
+class HaltedError(Exception):
+    """The verification was stopped; the core under test must not handle this."""
 
 
 class SharedAnswer(NamedTuple):
@@ -74,7 +78,7 @@ class Streams:
     ) -> None:
         """Start with the ``known`` facts, of any cycle if they have one.
 
-        A search that ``halt`` ends raises StoppedError.
+        A search that ``halt`` ends raises HaltedError.
         """
         self.program, self.choices = program, Choices()
         self._known: Set[clingo.Symbol] = set()
@@ -145,7 +149,7 @@ class Streams:
     def _ask(self, grounding: Grounding, question: Question) -> Reply:
         reply = grounding.ask(question, self._halt)
         if reply.satisfiable is None:
-            raise StoppedError
+            raise HaltedError
         return reply
 
     def _grounding(self, last: int) -> Grounding:
@@ -202,7 +206,7 @@ class SharedSolver(PlanningSolver):
         return self.log.snapshot(self._streams.program)
 
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
-        """Accept ``update`` and return an answer of the least horizon; raises SolverError and StoppedError."""
+        """Accept ``update`` and return an answer of the least horizon; raises SolverError and HaltedError."""
         update = update or StreamUpdate()
         snapshot, bound, plan = self._after(update), update.bound or 0, self.log.plan
         found = self._streams.answers(snapshot, bound, snapshot.step if plan is None else plan.horizon)

@@ -14,11 +14,11 @@ from rosoclingo.checking.verifying.beliefs import Belief, Beliefs
 from rosoclingo.checking.verifying.defects import Defect, Defects
 from rosoclingo.checking.verifying.moves import GOAL, Achievement, Move, Moves, Repertory, achievements_after, thing_of
 from rosoclingo.checking.verifying.scope import DefectKind, VerifyLimits
-from rosoclingo.checking.verifying.shared_solver import Choices, SharedSolver, Streams
+from rosoclingo.checking.verifying.shared_solver import Choices, HaltedError, SharedSolver, Streams
 from rosoclingo.checking.verifying.state_graph import StateNode, Step, circles
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.planning.question import Stop, StoppedError
+from rosoclingo.planning.question import Stop
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.keywords import cancellation, request
@@ -96,7 +96,7 @@ class StreamSearch:
                 if self.defects:
                     break
                 proven = cost
-        except StoppedError:
+        except HaltedError:
             self.defects = self._found.shortest(self._limits.events)
         return VerifyProgress(proven, len(set(self._met.values())), self._made)
 
@@ -128,7 +128,7 @@ class StreamSearch:
         successes: List[StateNode] = []
         for move in () if endless else moves:
             if self._halt():
-                raise StoppedError
+                raise HaltedError
             for after in self._successors(node, move):
                 if move.cost == 0:
                     successes.append(after)

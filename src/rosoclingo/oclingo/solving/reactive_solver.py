@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import chain
 from typing import Callable, Iterator, Optional, Tuple
 
-from rosoclingo.oclingo.errors import DroppedError
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import strings_as_constants
 from rosoclingo.oclingo.progression.updates import StreamUpdate
@@ -73,19 +73,17 @@ class ReactiveSolver:
         """k, the step of the last update."""
         return self.state.step
 
-    def solve(self, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None) -> SolveResult:
+    def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update; before the first update, at horizon 1."""
-        return self._run(None, stopped or _never, dropped or _never)
+        return self._run(None, stopped or _never)
 
-    def update(
-        self, update: StreamUpdate, stopped: Optional[Stopped] = None, dropped: Optional[Stopped] = None
-    ) -> SolveResult:
+    def update(self, update: StreamUpdate, stopped: Optional[Stopped] = None) -> SolveResult:
         """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
 
         ``stopped`` ends the search; the update stays accepted. Raises SolverError if the update is refused, and
-        DroppedError if ``dropped`` returns true while grounding; the state is then unchanged.
+        StoppedError if ``stopped`` returns true while the program is regrounded; the state is then unchanged.
         """
-        result = self._run(update, stopped or _never, dropped or _never)
+        result = self._run(update, stopped or _never)
         return replace(result, warnings=update.warnings + result.warnings)
 
     def reapply(self, update: Optional[StreamUpdate], horizon: int) -> None:
@@ -95,21 +93,21 @@ class ReactiveSolver:
     def _with_update(self, update: Optional[StreamUpdate]) -> StreamState:
         return self.state.with_update(None if update is None else strings_as_constants(update), self.program)
 
-    def _run(self, update: Optional[StreamUpdate], stopped: Stopped, dropped: Stopped) -> SolveResult:
+    def _run(self, update: Optional[StreamUpdate], stopped: Stopped) -> SolveResult:
         check_horizon_limit(update, self.horizon, self._limit)
         try:
-            return self._search(self._with_update(update), stopped, dropped)
+            return self._search(self._with_update(update), stopped)
         except BaseException:
             self._grounding = None  # the change can be incomplete
             raise
 
-    def _search(self, state: StreamState, stopped: Stopped, dropped: Stopped) -> SolveResult:
+    def _search(self, state: StreamState, stopped: Stopped) -> SolveResult:
         start, began, seconds = time.perf_counter(), time.process_time(), 0.0
         last = min((end for end in (state.bound, self._limit) if end is not None), default=None)
         satisfiable: Optional[bool] = None
         answers: Tuple[Answer, ...] = ()
         permanent = False
-        grounding = self._ground(state, stopped, dropped)
+        grounding = self._ground(state, stopped)
         ignored = grounding.follow(state) if grounding.horizon == state.horizon else []
         before = set(map(id, self.state.items))
         warnings = [NOT_EXTERNAL.format(one.statement.head) for one in ignored if id(one) not in before]
@@ -123,7 +121,7 @@ class ReactiveSolver:
             satisfiable = None  # not known until the next horizon is searched
             if not stopped():
                 state = state.with_growth(state.horizon + 1, self.program)
-                grounding = self._ground(state, _never, dropped)
+                grounding = self._ground(state, stopped)
                 grounding.follow(state)
         if grounding.horizon < state.horizon:  # stopped before the step of the update was grounded
             state = state.with_growth(grounding.horizon, self.program)
@@ -135,8 +133,8 @@ class ReactiveSolver:
         all_warnings = (*state.warnings, *warnings)
         return SolveResult(_OUTCOMES[satisfiable], answers, horizon, state.step, all_warnings, permanent, spent)
 
-    def _ground(self, state: StreamState, stopped: Stopped, dropped: Stopped) -> ReactiveGrounding:
-        """Return a grounding that can follow ``state``, up to its horizon unless ``stopped``."""
+    def _ground(self, state: StreamState, stopped: Stopped) -> ReactiveGrounding:
+        """Return a grounding that can follow ``state``, up to its horizon unless ``stopped``; raises StoppedError."""
         grounding = self._grounding
         if grounding is None or not grounding.can_follow(state):
             grounding = ReactiveGrounding(self.program, state)
@@ -146,10 +144,10 @@ class ReactiveSolver:
         while grounding.horizon < state.horizon:
             if grounding.horizon >= accepted and stopped():
                 break
-            if dropped():
-                raise DroppedError("stopped while regrounding the program; the request was discarded")
             block = BLOCK if grounding.horizon + 1 < accepted and self.program.steps_apart else 1
             grounding.ground_to(min(grounding.horizon + block, max(accepted, grounding.horizon + 1)))
+            if grounding.horizon < accepted and stopped():
+                raise StoppedError
         return grounding
 
     def _new(self, texts: Iterator[str]) -> Iterator[str]:

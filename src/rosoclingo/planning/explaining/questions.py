@@ -5,7 +5,6 @@ from typing import FrozenSet, Iterable, List, NamedTuple, Optional
 
 import clingo
 
-from rosoclingo.oclingo.errors import DroppedError
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.planning.explaining.relaxed_program import RelaxedProgram
@@ -60,7 +59,7 @@ class Questions:
         ``idles``: whether answers can be extended by idle steps. ``halt`` stops a question.
         """
         self._stream, self._idles, self._halt = stream, idles, halt
-        self._solver = PlanSolver(program, idles=idles, dropped=halt)
+        self._solver = PlanSolver(program, idles=idles)
         self._solver.restore(stream.log)
         before, update = self._solver.snapshot, stream.update
         self.step = before.step if update.step is None else update.step
@@ -77,10 +76,7 @@ class Questions:
         """
         disabled = frozenset() if facts is None else self.facts - facts
         update = replace(self._stream.update, bound=self._stream.steps if steps is None else steps)
-        try:
-            reply = self._solver.inquire(update, self.facts, disabled, self._halt, sorted(kept), believes=False)
-        except DroppedError:
-            raise UndecidedError from None
+        reply = self._solver.inquire(update, self.facts, disabled, self._halt, sorted(kept), believes=False)
         if reply.satisfiable is None:
             raise UndecidedError
         return reply

@@ -16,8 +16,9 @@ from contextlib import suppress
 from random import Random
 from typing import Iterator, Optional, Tuple
 
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.planning.history import Plan, cycle_of, delay
-from rosoclingo.planning.question import Assumptions, Question, Reply, StoppedError, Strategy
+from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner

@@ -9,9 +9,10 @@ plan no superfluous actions, unless several robots act: each of them could do wh
 from contextlib import suppress
 from typing import Generator
 
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay
-from rosoclingo.planning.question import Assumptions, Question, Reply, StoppedError
+from rosoclingo.planning.question import Assumptions, Question, Reply
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 CONFLICTS = 1000

@@ -19,10 +19,10 @@ class LoggedSolver(ReactiveSolver):
 
     """
 
-    def __init__(self, program: ReactiveProgram, dropped: Stop, **options: Any) -> None:
-        """Create a solver with ``options``; for ``dropped`` see :meth:`ReactiveSolver.update`."""
+    def __init__(self, program: ReactiveProgram, **options: Any) -> None:
+        """Create a solver with ``options``."""
         super().__init__(program, **options)
-        self._dropped, self.log = dropped, History()
+        self.log = History()
 
     def restore(self, log: History) -> None:
         """Continue from the history ``log``."""
@@ -36,8 +36,7 @@ class LoggedSolver(ReactiveSolver):
 
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:
         """Accept ``update``, if there is one, and search for answers; raises like :class:`ReactiveSolver`."""
-        ways = stopped, self._dropped
-        result = self.solve(*ways) if update is None else self.update(update, *ways)
+        result = self.solve(stopped) if update is None else self.update(update, stopped)
         self.log = self.log.with_entries(AcceptedUpdate(update, self.horizon))
         return result
 

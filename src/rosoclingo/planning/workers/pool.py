@@ -29,10 +29,10 @@ class WorkerPool:
 
     Not thread-safe. The workers end with :meth:`close` or with this process.
 
-    A stop ends a search with the outcome INTERRUPTED; the update stays accepted. clingo does not react to a stop while
-    it grounds. After a second, the worker drops the grounding between two pieces; after ``patience`` seconds, the pool
-    kills the worker. In both cases, and after repeated crashes, the update is dropped and DroppedError is raised. While
-    a worker loads the program, a stop has no effect.
+    A stop ends a search with the outcome INTERRUPTED; the update stays accepted. A worker that has not grounded the
+    program for the update stops between two pieces. clingo does not react to a stop while it grounds a piece; after
+    ``patience`` seconds, the pool kills the worker. In both cases, and after repeated crashes, the update is dropped
+    and DroppedError is raised. While a worker loads the program, a stop has no effect.
 
     """
 

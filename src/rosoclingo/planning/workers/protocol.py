@@ -1,7 +1,7 @@
 """The messages between a worker and its parent.
 
 A worker sends :class:`WorkerReply`, and during a search its last grounded step at intervals. The parent sends
-:class:`WorkerCommand` to an idle worker, and the time to drop a grounding, which interrupts a busy one.
+:class:`WorkerCommand` to an idle worker, and None, which interrupts a busy one.
 """
 
 import copyreg
@@ -25,8 +25,6 @@ class WorkerCommand(NamedTuple):
         arguments: the arguments of the call.
         entries: the entries of the history before the call.
         continues: whether the entries continue the worker's own history.
-        drop_at: the time to drop a grounding, by the clock that all processes share; infinite unless the command is
-            interrupted already.
 
     """
 
@@ -34,7 +32,6 @@ class WorkerCommand(NamedTuple):
     arguments: Tuple[Any, ...]
     entries: List[Entry]
     continues: bool
-    drop_at: float
 
 
 class WorkerReply(NamedTuple):

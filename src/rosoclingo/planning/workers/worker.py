@@ -1,6 +1,5 @@
 """The parent's interface to a worker process."""
 
-import math
 import signal
 import time
 from contextlib import suppress
@@ -16,9 +15,6 @@ from rosoclingo.planning.workers.protocol import WorkerCommand, WorkerReply
 
 POLL = 0.002
 """Seconds of wall time between two calls of a stop function."""
-
-GRACE = 1.0
-"""Seconds of wall time after a stop until a worker drops a grounding between two pieces."""
 
 
 class WorkerLostError(Exception):
@@ -80,7 +76,7 @@ class SolverWorker(WorkerProcess):
         self._running: Optional[WorkerRequest] = _IGNORED  # None if the worker is idle
         self._request: Optional[WorkerRequest] = None  # the last request; it waits until the worker is idle
         self._reply: Optional[WorkerReply] = None  # the latest reply to the request
-        self._drop_at = math.inf  # see WorkerCommand
+        self._interrupted = False  # whether the request is interrupted
         self._log: Optional[History] = None  # the history after the last reply; None if it is unknown
         self._last_clock, self._has_grown = 0.0, False
         self._loading_time: Optional[float] = None  # processor time used until the program was loaded
@@ -102,13 +98,13 @@ class SolverWorker(WorkerProcess):
     def begin(self, request: WorkerRequest) -> None:
         """Begin ``request`` as soon as the worker is idle; abandon a running command."""
         self.abandon()
-        self._request, self._drop_at, self.reached = request, math.inf, 0
+        self._request, self._interrupted, self.reached = request, False, 0
         self._send_request()
 
     def abandon(self) -> None:
         """Interrupt the running command and ignore its reply."""
         if self._running is not None:
-            self._interrupt(-math.inf)
+            self._interrupt()
             self._running = _IGNORED
         self._request = self._reply = None
 
@@ -134,7 +130,7 @@ class SolverWorker(WorkerProcess):
                         self.abandon()
                     return WorkerReply()
                 interrupted = time.monotonic()
-                self._interrupt(interrupted + GRACE)
+                self._interrupt()
             elif time.monotonic() > interrupted + self._patience:
                 raise WorkerLostError("the solver ignored a stop while grounding and was killed")
         return self._take_reply()
@@ -181,13 +177,15 @@ class SolverWorker(WorkerProcess):
         later = None if self._log is None else log.entries_after(self._log)
         entries, self._log = log.entries if later is None else later, None
         with suppress(OSError):  # it has ended, as the next call of _receive finds
-            self.connection.send(WorkerCommand(name, arguments, entries, later is not None, self._drop_at))
+            self.connection.send(WorkerCommand(name, arguments, entries, later is not None))
+        if self._interrupted:
+            self._interrupt()
 
-    def _interrupt(self, drop_at: float) -> None:
-        """Interrupt the running command; the worker drops a grounding at the time ``drop_at``."""
-        self._drop_at = drop_at
+    def _interrupt(self) -> None:
+        """Interrupt the running command."""
+        self._interrupted = True
         with suppress(OSError):  # as above
-            self.connection.send(drop_at)
+            self.connection.send(None)
 
     def _receive(self, timeout: float) -> bool:
         """Wait at most ``timeout`` seconds for a message and process it; return whether there was one."""

@@ -5,7 +5,6 @@ parent ends. The kernel then ends this process by SIGIO, even while it is ground
 """
 
 import fcntl
-import math
 import os
 import pickle
 import select
@@ -23,7 +22,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.solving.results import SolveResult
 from rosoclingo.planning.history import History
-from rosoclingo.planning.question import Reply, Stop
+from rosoclingo.planning.question import Reply
 from rosoclingo.planning.text import Message
 from rosoclingo.planning.workers.logged_solver import LoggedSolver
 from rosoclingo.planning.workers.protocol import CONNECTION, PROGRAM, WorkerCommand, WorkerReply
@@ -52,10 +51,10 @@ class WorkerMain:
     ) -> None:
         """Use a loaded ``program``; for the options see :class:`WorkerPool`."""
         self._connection, self._program, self._growth = connection, program, growth
-        self._solver = _make_solver(program, self._is_dropped, **options)
+        self._solver = _make_solver(program, **options)
         self._most_memory: Optional[int] = None  # in bytes
         self._start = History()  # the history before the command
-        self._drop_at = math.inf  # the time to drop a grounding; finite if the command is interrupted
+        self._interrupted = False
         self._reported = time.monotonic()
 
     def run(self) -> None:
@@ -77,7 +76,7 @@ class WorkerMain:
         return memory > self._most_memory
 
     def _execute(self, command: WorkerCommand) -> WorkerReply:
-        self._reported, self._drop_at = time.monotonic(), command.drop_at
+        self._reported, self._interrupted = time.monotonic(), False
         before = self._solver.log if command.continues else History()
         self._start = before.with_entries(*command.entries)
         self._solver.restore(self._start)
@@ -133,27 +132,19 @@ class WorkerMain:
         if time.monotonic() - self._reported >= REPORTING:
             self._reported = time.monotonic()
             self._connection.send(self._solver.reached)
-        self._read_interrupts()
-        return self._drop_at < math.inf
-
-    def _is_dropped(self) -> bool:
-        """Return whether to drop the running command."""
-        self._read_interrupts()
-        return time.monotonic() >= self._drop_at
-
-    def _read_interrupts(self) -> None:
         while self._connection.poll():
-            self._drop_at = min(self._drop_at, self._connection.recv())
+            self._interrupted = self._connection.recv() is None
+        return self._interrupted
 
 
 def _make_solver(
-    program: ReactiveProgram, dropped: Stop, shortest: bool = False, plan_time: Optional[float] = None, **options: Any
+    program: ReactiveProgram, shortest: bool = False, plan_time: Optional[float] = None, **options: Any
 ) -> "Union[PlanSolver, LoggedSolver]":
     if not shortest:
-        return LoggedSolver(program, dropped, **options)
+        return LoggedSolver(program, **options)
     from rosoclingo.planning.solver import PlanSolver  # noqa: PLC0415 half of all modules
 
-    return PlanSolver(program, dropped=dropped, plan_time=plan_time, **options)
+    return PlanSolver(program, plan_time=plan_time, **options)
 
 
 def end_with_parent(lifeline: int) -> None:

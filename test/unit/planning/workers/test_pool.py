@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 
 import pytest
 from children import ended, kill, wait_until_prepared
@@ -26,7 +26,6 @@ from rosoclingo.oclingo import (
 from rosoclingo.planning.compaction import SHOWN_STEPS
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.workers import worker
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 
@@ -48,9 +47,8 @@ def echo():
 
 
 @pytest.fixture
-def patient(monkeypatch):
+def patient():
     """Return options of a pool that waits for groundings."""
-    monkeypatch.setattr(worker, "GRACE", 600.0)
     return {"patience": 600.0}
 
 
@@ -260,18 +258,15 @@ def test_stop_ends_search_and_keeps_its_update(options, patient):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("grace", [0.0, 600.0])
-def test_grounding_is_dropped_between_pieces_after_grace(grace, patient, monkeypatch):
-    monkeypatch.setattr(worker, "GRACE", grace)
-    dropped = pytest.raises(DroppedError, match="stopped while regrounding the program")
+def test_stop_ends_a_grounding_between_pieces(patient):
     with pool_of(IN_PIECES, **patient) as pool:
         solver = ProcessSolver(pool)
         fed(solver, "320.")
         pid = pool.pid
-        with nullcontext() if grace else dropped:
+        with pytest.raises(DroppedError, match="stopped while grounding the program"):
             fed(solver, "320. big(1).", after_work(pool))
         wanted = sorted(["big(1)", *(f"n({step})" for step in range(1, 321))])
-        assert answers(fed(solver, "320.")) == ([wanted] if grace else [[]])
+        assert answers(fed(solver, "320.")) == [[]]
         assert answers(fed(solver, "320. big(1).")) == [wanted]
         assert pool.pid == pid
 
