@@ -73,7 +73,6 @@ class Hypotheses:
         """Make the ``facts`` of the stream, executed actions, and ``further`` unstated facts assumable."""
         self._planner, self._impasse, self._way = planner, impasse, way
         self._trial_planner: Optional[Planner] = None
-        self._refuted: List[_Refuted] = []
         cancels = self._cancels(impasse.goals)
         self._assumable = frozenset([*facts, *further, *cancels, *self._requests(impasse.goals)])
         items = tuple(map(Statement, [*cancels, *further]))
@@ -88,38 +87,20 @@ class Hypotheses:
         dropped = [goal for goal in self._impasse.goals if goal not in kept]
         disabled = self._assumable - facts - frozenset(self._cancels(dropped)) - self._requests(kept)
         steps = max(steps, self._planner.lookahead)
-        for known in self._refuted:
-            if known.covers(disabled, steps):
-                return Reply(False, core=known.core)
         try:
             if self._trial_planner is None:
                 self._trial_planner = (
                     self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
                 )
-            reply = self._trial_planner.inquire(self._update, self._assumable, disabled, steps)
+            return self._trial_planner.inquire(self._update, self._assumable, disabled, steps)
         except SolverError:  # the update takes too long, or is refused
             return UNKNOWN
-        if reply.satisfiable is False:
-            self._refuted.append(_Refuted(reply.core, reply.core & disabled, steps))
-        return reply
 
     def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
         return self._impasse.cancels(goals) if self._way is Way.CANCELLED else []
 
     def _requests(self, goals: Collection[Goal]) -> FrozenSet[Symbol]:
         return requests_of(goals) if self._way is Way.WITHHELD else frozenset()
-
-
-class _Refuted(NamedTuple):
-    """There is no plan of at most ``steps`` steps if exactly ``disabled`` of the facts in ``core`` are disabled."""
-
-    core: FrozenSet[Symbol]
-    disabled: FrozenSet[Symbol]
-    steps: int
-
-    def covers(self, disabled: FrozenSet[Symbol], steps: int) -> bool:
-        """Return whether this refutes a plan of at most ``steps`` steps without the facts ``disabled``."""
-        return steps <= self.steps and self.core & disabled == self.disabled
 
 
 def facts_of(observations: Iterable[Observation]) -> FrozenSet[Symbol]:
