@@ -1,42 +1,32 @@
 """The latest goals that were aborted for lack of a plan, with the streams that explain why."""
 
-import json
 from typing import Dict, List, Optional
 
 from clingo import Symbol
 
 from rosoclingo.reasoning.events import GoalUnmet
 from rosoclingo.reasoning.keywords import identifier_of
-from rosoclingo.reasoning.records import PersistentPart, Record, codec, tables
+from rosoclingo.reasoning.records import PersistentPart, tables
 
-#: Maximum number of goals, and maximum size of their record in bytes; the latest goals are recorded first.
-KEPT, ROOM = 20, 256 * 1024
-
-
-_CODEC = codec(GoalUnmet)
+#: Maximum number of goals.
+KEPT = 20
 
 
 class AbortedGoals(PersistentPart):
-    """Keeps the last :data:`KEPT` unmet goals; a record contains the latest of them, up to :data:`ROOM` bytes."""
+    """Keeps the last :data:`KEPT` unmet goals."""
 
     GROUP = "aborted"
-    TABLES = tables(_recorded=("unmet", str, dict))
+    TABLES = tables(_goals=("unmet", str, GoalUnmet))
 
     def __init__(self) -> None:
         self._goals: Dict[str, GoalUnmet] = {}
-        self._recorded: Dict[str, Record] = {}
 
     def add(self, event: GoalUnmet) -> None:
         """Add a goal as the latest one."""
-        for goals in (self._goals, self._recorded):
-            goals.pop(event.key, None)
+        self._goals.pop(event.key, None)
         self._goals[event.key] = event
         if len(self._goals) > KEPT:
             del self._goals[next(iter(self._goals))]
-        row = _CODEC.encode(event)
-        self._recorded[event.key] = {**row, "size": len(json.dumps(row))}
-        while len(self._recorded) > KEPT or sum(one["size"] for one in self._recorded.values()) > ROOM:
-            del self._recorded[next(iter(self._recorded))]
 
     @property
     def terms(self) -> List[Symbol]:
@@ -50,8 +40,3 @@ class AbortedGoals(PersistentPart):
         text = name.replace(" ", "")
         events = reversed(list(self._goals.values()))
         return next((one for one in events if text in (str(one.term), str(identifier_of(one.term)))), None)
-
-    def restore(self, record: Record) -> None:
-        """Restore the goals of a record."""
-        super().restore(record)
-        self._goals = {key: _CODEC.decode(row) for key, row in self._recorded.items()}

@@ -137,8 +137,7 @@ class CoreNode:
     Services:
         ~explain (rosoclingo/Explain): explains why a goal was aborted: the fewest rules that forbid it, by file and
             line and in the program's words, the facts, and the steps. Available for the last 20 goals without a plan,
-            after a restart as far as the journal has them. It takes up to 30 s of processor time in a separate
-            process, while the core continues.
+            also after a restart. It takes up to 30 s of processor time in a separate process, while the core continues.
         ~pause (std_srvs/SetBool): true: no action begins any more. Running actions end as usual, and goals join and are
             planned for. false: the plan continues. A paused core that was killed resumes paused.
         ~stop (std_srvs/Trigger): cancels the running actions and aborts all goals. Then no action begins until the next

@@ -11,7 +11,6 @@ from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.history import History
-from rosoclingo.reasoning import aborted_goals
 from rosoclingo.reasoning.aborted_goals import KEPT, AbortedGoals
 from rosoclingo.reasoning.events import GoalUnmet
 
@@ -74,18 +73,3 @@ def test_explanations_remember_the_latest_aborted_goals():
     assert again.stream._replace(log=None) == unmet(KEPT).stream._replace(log=None)
     assert text_of(again.stream.log) == ""
     assert goals.find("key 5") is None
-
-
-def test_journal_holds_explanations_up_to_its_limit(monkeypatch):
-    goals, long = AbortedGoals(), "#step 1. " + " ".join(f"_seen({number})." for number in range(100)) + "#end step."
-    for number in (1, 2, 3, 4):
-        goals.add(unmet(number, long))
-    sizes = [value["size"] for value in goals.record().values()]
-    assert all(abs(size - len(json.dumps(value))) < 20 for size, value in zip(sizes, goals.record().values()))
-    monkeypatch.setattr(aborted_goals, "ROOM", sum(sizes[1:]))
-    goals.add(unmet(4, long))
-    assert terms(restored(goals)) == [2, 3, 4]
-    assert terms(goals) == [1, 2, 3, 4]
-    monkeypatch.setattr(aborted_goals, "ROOM", sizes[3] - 1)
-    goals.add(unmet(4, long))
-    assert goals.record() == {}
