@@ -1,28 +1,16 @@
 """The health of the core, for ``/diagnostics``."""
 
-from enum import IntEnum
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, List, Optional, Sequence, Tuple
 
-from rosoclingo.reasoning.events import PlanMade, Problem
+from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.events import Mode, PlanMade, Problem
 from rosoclingo.reasoning.log_throttle import LogThrottle
 
 #: Seconds for which a problem sets the level to WARN.
 FRESH = 10.0
 
-
-class Level(IntEnum):
-    """The levels of ``diagnostic_msgs/DiagnosticStatus``."""
-
-    OK = 0
-    WARN = 1
-
-
-class Report(NamedTuple):
-    """A level, a message of one line, and values by name."""
-
-    level: Level
-    message: str
-    values: Dict[str, str]
+#: Levels of ``diagnostic_msgs/DiagnosticStatus``.
+OK, WARN = 0, 1
 
 
 class Health:
@@ -46,37 +34,32 @@ class Health:
         """Return log lines with the number of problems that were not logged in the last minute."""
         return self._throttle.counted(now)
 
-    def report(
-        self,
-        cycle: int,
-        goals: int,
-        awaited: Sequence[str],
-        now: float,
-        interfaces: Sequence[str] = (),
-        missing: str = "",
-        waiting: int = 0,
-    ) -> Report:
-        """Return the present state.
+    def describe(
+        self, core: Core, now: float, interfaces: Sequence[str], fault: str = ""
+    ) -> Tuple[int, str, Dict[str, object]]:
+        """Return a level, a message of one line, and values by name.
 
-        ``awaited`` are the running actions, ``interfaces`` the announced interfaces. ``missing`` is a message about an
-        interface that an action needs but no node has, empty for none. ``waiting`` is the number of queued goals.
+        ``interfaces`` are the announced ones. ``fault`` is a message that is more urgent than the core's own, empty for
+        none.
         """
-        plan = self._plan or PlanMade(cycle, 1, ())
+        plan, goals = self._plan or PlanMade(core.cycle, 1, ()), core.live_goals
+        awaited, lost = ", ".join(str(one.atom) for one in core.awaited), sorted(core.interfaces.lost)
         values = {
-            "cycle": cycle,
+            "cycle": core.cycle,
             "horizon": plan.horizon,
-            "open goals": goals,
-            "waiting goals": waiting,
-            "awaited actions": ", ".join(awaited),
+            "open goals": len(goals),
+            "waiting goals": sum(not goal.fed for goal in goals),
+            "awaited actions": awaited,
             "interfaces": ", ".join(interfaces),
             "last solve time": f"{plan.solve:.3f}",
             "last ground time": f"{plan.ground:.3f}",
             "problems": self._throttle.count,
             "last error": self._throttle.latest,
+            "mode": core.mode.value,
         }
-        level, message = Level.OK, "waits for {}".format(", ".join(awaited)) if awaited else "idle"
-        if missing:
-            level, message = Level.WARN, missing
-        elif now - self._trouble < FRESH:
-            level, message = Level.WARN, self._throttle.latest
-        return Report(level, message, {key: str(value) for key, value in values.items()})
+        trouble = self._throttle.latest if now - self._trouble < FRESH else ""
+        warning = f"lost robots: {', '.join(map(str, lost))}" if lost else trouble
+        message = warning or (f"waits for {awaited}" if awaited else "idle")
+        if core.mode is not Mode.RUNNING:
+            warning = message = f"{core.mode.value}: {message}"
+        return WARN if fault or warning else OK, fault or message, values

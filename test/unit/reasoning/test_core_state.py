@@ -1,12 +1,14 @@
 """The core's state as values, and its problems as lines of a log."""
 
 import pickle
+from types import SimpleNamespace
 
 import pytest
 
-from rosoclingo.reasoning.core_state import FRESH, Health, Level
-from rosoclingo.reasoning.events import PlanMade, Problem
-from rosoclingo.reasoning.keywords import shortened
+from rosoclingo.oclingo import parse_atom, parse_term
+from rosoclingo.reasoning.core_state import FRESH, OK, WARN, Health
+from rosoclingo.reasoning.events import Mode, PlanMade, Problem
+from rosoclingo.reasoning.keywords import action_of, shortened
 from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
 
 
@@ -61,50 +63,58 @@ def test_core_state_shortens_long_texts_in_the_middle(long, shown):
     assert shortened("x" * long, 20) == shown
 
 
+def core(*awaited, lost=(), mode=Mode.RUNNING, fed=()):
+    """Return the attributes of a core that diagnostics show."""
+    actions = [action_of(parse_atom(text)) for text in awaited]
+    goals = [SimpleNamespace(fed=one) for one in fed]
+    interfaces = SimpleNamespace(lost=frozenset(map(parse_term, lost)))
+    return SimpleNamespace(cycle=4, live_goals=goals, awaited=actions, interfaces=interfaces, mode=mode)
+
+
 def test_core_state_makes_a_diagnostics_report():
     health = Health()
-    assert health.report(1, 0, [], 0.0).level is Level.OK
-    assert health.report(1, 0, [], 0.0).message == "idle"
-    assert health.report(1, 0, [], 0.0).values["horizon"] == "1"
+    assert health.describe(core(), 0.0, [])[:2] == (OK, "idle")
+    assert health.describe(core(), 0.0, [])[2]["horizon"] == 1
     health.plan_made(PlanMade(4, 7, (), 0.25, 0.5))
-    report = health.report(4, 2, ["_action_lib(a,b,4)"], 0.0, waiting=1)
-    assert report.level is Level.OK
-    assert report.message == "waits for _action_lib(a,b,4)"
-    assert report.values == {
-        "cycle": "4",
-        "horizon": "7",
-        "open goals": "2",
-        "waiting goals": "1",
-        "awaited actions": "_action_lib(a,b,4)",
-        "interfaces": "",
-        "last solve time": "0.500",
-        "last ground time": "0.250",
-        "problems": "0",
-        "last error": "",
-    }
+    busy = core("_action_lib(a,b,4)", fed=[True, False])
+    assert health.describe(busy, 0.0, ["c", "d"]) == (
+        OK,
+        "waits for _action_lib(a,b,4)",
+        {
+            "cycle": 4,
+            "horizon": 7,
+            "open goals": 2,
+            "waiting goals": 1,
+            "awaited actions": "_action_lib(a,b,4)",
+            "interfaces": "c, d",
+            "last solve time": "0.500",
+            "last ground time": "0.250",
+            "problems": 0,
+            "last error": "",
+            "mode": "running",
+        },
+    )
 
 
-def test_core_state_levels_match_diagnostics():
-    assert (Level.OK, Level.WARN) == (0, 1)
-
-
-def test_core_state_reports_a_missing_interface():
-    report = Health().report(4, 2, ["_action_lib(a,b,4)"], 0.0, ["c", "d"], "no interface 'a'")
-    assert report.level is Level.WARN
-    assert report.message == "no interface 'a'"
-    assert report.values["interfaces"] == "c, d"
+@pytest.mark.parametrize(
+    ("state", "fault", "message"),
+    [
+        ({"lost": ["r2", "r1"]}, "", "lost robots: r1, r2"),
+        ({"mode": Mode.PAUSED}, "", "paused: idle"),
+        ({"mode": Mode.STOPPED, "lost": ["r1"]}, "", "stopped: lost robots: r1"),
+        ({"mode": Mode.PAUSED, "lost": ["r1"]}, "no interface 'a'", "no interface 'a'"),
+    ],
+)
+def test_core_state_warns_of_the_most_urgent_fault(state, fault, message):
+    assert Health().describe(core(**state), 0.0, [], fault)[:2] == (WARN, message)
 
 
 def test_core_state_shows_a_problem_for_a_while():
     health = Health()
     health.problem(Problem(4, "all is lost"), 100.0)
-    assert health.report(4, 0, [], 100.0 + FRESH / 2) == (
-        Level.WARN,
-        "cycle 4: all is lost",
-        {**health.report(4, 0, [], 0.0).values, "problems": "1", "last error": "cycle 4: all is lost"},
-    )
-    assert health.report(4, 0, [], 100.0 + FRESH).level is Level.OK
-    assert health.report(4, 0, [], 100.0 + FRESH).values["last error"] == "cycle 4: all is lost"
+    assert health.describe(core(), 100.0 + FRESH / 2, [])[:2] == (WARN, "cycle 4: all is lost")
+    level, message, values = health.describe(core(), 100.0 + FRESH, [])
+    assert (level, message, values["problems"], values["last error"]) == (OK, "idle", 1, "cycle 4: all is lost")
 
 
 def test_core_state_describes_problems_in_words():

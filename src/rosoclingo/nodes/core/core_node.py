@@ -8,7 +8,7 @@ import rospy
 from actionlib import ServerGoalHandle
 
 from rosoclingo.common.action_servers import forget_cancels, start_server
-from rosoclingo.common.diagnostics import Diagnostics
+from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
@@ -25,14 +25,13 @@ from rosoclingo.oclingo import DroppedError
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.core_state import Health, Level, Report
+from rosoclingo.reasoning.core_state import Health
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
     ActionsPreempted,
     Event,
     GoalChanged,
     GoalProgress,
-    Mode,
     ModeChanged,
     PlanMade,
     Problem,
@@ -441,22 +440,12 @@ class CoreNode:
         if line:
             rospy.logwarn("%s", line)
 
-    def _describe(self) -> Report:
+    def _describe(self) -> Findings:
         now = time.monotonic()
         missing = self._register.look(self._core.awaited, self._topics.listeners, self._facts.senders, now)
         for one in missing:
             if one.new:
                 self._log_problem(Problem(self._core.cycle, one.text, one.action.interface_name))
-        awaited, text = [str(action.atom) for action in self._core.awaited], missing[0].text if missing else ""
-        goals, waiting = len(self._core.live_goals), sum(not goal.fed for goal in self._core.live_goals)
-        report = self._health.report(self._core.cycle, goals, awaited, now, self._register.names, text, waiting)
-        lost = ", ".join(map(str, sorted(self._core.interfaces.lost)))
-        if lost and not missing:
-            report = report._replace(level=Level.WARN, message=f"lost robots: {lost}")
-        mode = self._core.mode
-        report.values["mode"] = mode.value
-        if mode is not Mode.RUNNING and not missing:
-            report = report._replace(level=Level.WARN, message=f"{mode.value}: {report.message}")
-        if self._keeper.fault:
-            report = report._replace(level=Level.WARN, message=self._keeper.fault)
-        return report if rospy.get_time() else report._replace(level=Level.WARN, message="waits for /clock")
+        start = "" if rospy.get_time() else "waits for /clock"
+        fault = start or self._keeper.fault or (missing[0].text if missing else "")
+        return self._health.describe(self._core, now, self._register.names, fault)
