@@ -3,8 +3,6 @@
 from actionlib import ActionClient, ClientGoalHandle
 from actionlib_msgs.msg import GoalID
 
-__all__ = ["cancel_goal", "goal_id"]
-
 
 def goal_id(handle: ClientGoalHandle) -> str:
     """Return actionlib's id of a goal that was sent."""

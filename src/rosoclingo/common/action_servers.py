@@ -9,8 +9,6 @@ from actionlib_msgs.msg import GoalStatusArray
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.worker import ending
 
-__all__ = ["announce_server", "forget_cancels", "forget_goal_times", "start_server"]
-
 
 def announce_server(server: ActionServer) -> None:
     """Announce a server that can take long to start; the server's own publishers share these connections."""

@@ -14,16 +14,6 @@ import rospy
 
 from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 
-__all__ = [
-    "close_dead",
-    "connected_nodes",
-    "is_connected",
-    "is_delivered_to",
-    "limit_silence",
-    "on_reachable_hosts",
-    "readers",
-]
-
 #: Seconds after which a connection to a host that does not respond is closed.
 SILENCE = 30
 

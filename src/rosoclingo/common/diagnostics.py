@@ -6,8 +6,6 @@ from typing import Callable, Mapping, Optional, Tuple
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-__all__ = ["Diagnostics", "Findings"]
-
 #: Seconds of wall time between two messages, at most and at least.
 PERIOD, PAUSE = 1.0, 0.1
 

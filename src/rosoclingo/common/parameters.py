@@ -7,8 +7,6 @@ import rospy
 from rosoclingo.common.reading import MISSING, Reader, likely
 from rosoclingo.common.xmlrpc_api import FAULTS
 
-__all__ = ["ParameterError", "Parameters", "unread", "warn_of_unread"]
-
 #: Parameters that ROS's own libraries read.
 OF_ROS = frozenset(
     {

@@ -11,8 +11,6 @@ import rospy
 from rosoclingo.common.worker import Worker
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
-__all__ = ["PersistedState"]
-
 #: Seconds of wall time between two checks of the parameter: a master that was restarted has lost it.
 PERIOD = 2.0
 

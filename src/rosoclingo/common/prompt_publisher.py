@@ -16,8 +16,6 @@ from rospy.impl.tcpros_pubsub import QueuedConnection
 
 from rosoclingo.common.connections import close_dead
 
-__all__ = ["prompt_publisher"]
-
 
 class PromptConnection(QueuedConnection):  # type: ignore[misc]
     """A connection that sends immediately; its thread and queue serve the bytes that the socket does not accept."""

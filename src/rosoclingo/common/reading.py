@@ -10,8 +10,6 @@ from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, T
 
 import yaml
 
-__all__ = ["MISSING", "Reader", "likely", "read_yaml"]
-
 MISSING: Any = object()  # as a value: not given; as a default: required
 
 T = TypeVar("T")

@@ -19,8 +19,6 @@ from rosoclingo.common.connections import connected_nodes, on_reachable_hosts
 from rosoclingo.common.worker import ending
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
-__all__ = ["Registration"]
-
 Entries = Set[Tuple[str, ...]]
 
 #: Seconds of wall time between two requests to the master.

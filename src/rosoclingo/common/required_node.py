@@ -16,8 +16,6 @@ from typing import Any, Dict, Iterator, Optional, Type
 
 from rosoclingo.common.xmlrpc_api import FAULTS, api
 
-__all__ = ["RequiredNode"]
-
 #: Seconds of wall time within which a restarted node that fails most probably has the same fault as before.
 SOON = 60.0
 

@@ -10,9 +10,7 @@ import sys
 import threading
 from typing import Any, Callable, Iterator, NoReturn, Sequence, Tuple, Type
 
-from rosoclingo.common.streams import print_utf8, tolerate_any_locale, tolerate_full_disk
-
-__all__ = ["leave", "missing", "needed_modules", "node_arguments", "print_utf8", "run_node"]
+from rosoclingo.common.streams import tolerate_any_locale, tolerate_full_disk
 
 #: Names of PyPI packages that differ from the module.
 _PYPI = {"PIL": "Pillow", "clingo": "clingo>=5.7", "llvmlite": "numba", "yaml": "PyYAML"}

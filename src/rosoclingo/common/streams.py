@@ -6,8 +6,6 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-__all__ = ["LenientStream", "print_utf8", "tolerate_any_locale", "tolerate_full_disk"]
-
 _UTF8 = "utf-8"
 
 

@@ -4,8 +4,6 @@ import xmlrpc.client
 from http.client import HTTPException
 from typing import Any
 
-__all__ = ["FAULTS", "address_of", "api"]
-
 #: Exceptions of a call without a response, or with a response that is not of ROS.
 FAULTS = (OSError, HTTPException, xmlrpc.client.Error)
 

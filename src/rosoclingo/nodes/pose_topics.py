@@ -7,8 +7,6 @@ from typing import Any, Callable, Dict, Iterable, List, Set, Tuple
 from rosoclingo.common.labels import DEFAULT_FRAME
 from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
 
-__all__ = ["EXACT", "PoseTopics"]
-
 #: Frames of a robot, the most common first.
 BASES = ("base_link", "base_footprint")
 

@@ -12,8 +12,6 @@ from rosoclingo.runs.sentences import actors_of
 from rosoclingo.runs.topic_atoms import action_in, run_in
 from rosoclingo.runs.topic_names import full_name
 
-__all__ = ["PATHS", "TYPES", "RunTopics"]
-
 #: Topics with the robot's planned path.
 PATHS = ("move_base/GridPlanner/plan", "move_base/NavfnROS/plan", "move_base/GlobalPlanner/plan")
 

@@ -6,8 +6,6 @@ from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, PREEMPTED, 
 from rosoclingo.runs.run_tables import PlannedActions, Record, Table
 from rosoclingo.runs.topic_atoms import action_in
 
-__all__ = ["ActionRecords"]
-
 #: Limit of remembered returns that arrived before their actions.
 EARLY = 20
 

@@ -14,8 +14,6 @@ from rosoclingo.reasoning.keywords import NOW, name_of
 from rosoclingo.runs.drawing import DrawingKind, Drawings
 from rosoclingo.runs.topic_atoms import atom_in
 
-__all__ = ["CARRIED", "BelievedPlaces", "believed_places"]
-
 #: The place of a thing on the robot, instead of a label.
 CARRIED = "carried"
 

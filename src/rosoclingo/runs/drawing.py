@@ -15,8 +15,6 @@ from rosoclingo.runs.program_facts import facts_of
 from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.topic_atoms import atom_in
 
-__all__ = ["DRAWS", "Drawing", "DrawingKind", "Drawings", "drawing_fault", "drawings_of"]
-
 #: ``_draws(Predicate,Kind)`` and ``_draws(Predicate,Kind,Text)``.
 DRAWS = "_draws"
 

@@ -6,19 +6,6 @@ for pages and accounts; a run collector converts them to the cycles of a replay.
 
 from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
-__all__ = [
-    "ENDED",
-    "PENDING",
-    "SAID",
-    "STATUS_WORDS",
-    "WAITING",
-    "GoalReport",
-    "RunEvents",
-    "reason_of",
-    "reason_suffix",
-    "status_word",
-]
-
 #: States of a goal that the core has not accepted yet: actionlib's, and that of a queued goal with a reason.
 PENDING, WAITING = "pending", "waiting"
 

@@ -24,8 +24,6 @@ from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollect
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sent_returns import SentReturns
 
-__all__ = ["journal_run", "journal_view"]
-
 #: A page's notes about missing data.
 LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
 

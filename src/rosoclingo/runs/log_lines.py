@@ -2,8 +2,6 @@
 
 from typing import Callable, Iterable, List, NamedTuple, Optional, Set
 
-__all__ = ["BEGUN", "PATIENCE", "RunLog"]
-
 #: Limit in seconds of the run's clock that a line waits for its predecessors: topics have no common order.
 PATIENCE = 1.0
 

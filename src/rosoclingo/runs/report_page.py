@@ -6,8 +6,6 @@ import json
 from pathlib import Path
 from typing import Any, Mapping, Sequence, Tuple
 
-__all__ = ["LIVE_SCRIPTS", "SCRIPTS", "STYLE", "live_page", "report_page"]
-
 #: The scripts of a report and of the live page, in order.
 _VIEWS = (
     "model.js",

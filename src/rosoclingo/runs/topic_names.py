@@ -1,7 +1,5 @@
 """Names of a core's topics: private topics, topics of its action server, and topics shared with interfaces."""
 
-__all__ = ["USUAL", "full_name"]
-
 #: The default name of the core, and the name of each core's action server.
 USUAL = "rosoclingo"
 

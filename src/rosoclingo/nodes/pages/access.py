@@ -6,8 +6,6 @@ import re
 from typing import FrozenSet, Optional
 from urllib.parse import urlsplit
 
-__all__ = ["Access"]
-
 #: Host names of this machine.
 LOCAL = frozenset({"127.0.0.1", "localhost", "::1"})
 

@@ -8,8 +8,6 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Uni
 from rosoclingo.runs.orders import OrderError, OrderForm
 from rosoclingo.runs.run_view import RunView
 
-__all__ = ["OrderDesk", "Reason"]
-
 #: Limits of open and of remembered goals of pages (open goals are always remembered), and of characters of a key.
 MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
 

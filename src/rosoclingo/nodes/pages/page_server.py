@@ -21,8 +21,6 @@ from rosoclingo.nodes.pages.order_desk import Answer, Taken
 from rosoclingo.runs.report_page import live_page, report_page
 from rosoclingo.runs.run_view import RunView
 
-__all__ = ["PageServer"]
-
 #: Seconds between two checks for changes.
 PERIOD = 0.2
 

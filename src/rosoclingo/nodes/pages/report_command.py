@@ -15,8 +15,6 @@ from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.report_page import report_page
 from rosoclingo.runs.run_view import RunView
 
-__all__ = ["main", "web", "write_report"]
-
 _DESCRIPTION = """\
 Write a recorded run as one HTML file for any browser: map, timeline, goals, plans with their reasons and times, log and
 figures, with a slider over the run. It needs no other file and no network. No ROS master is needed."""

@@ -7,8 +7,6 @@ from typing import Any, Callable, Dict
 import rospy
 from sensor_msgs.msg import LaserScan
 
-__all__ = ["ScanFeed"]
-
 #: Minimum interval in seconds of wall time between two scans of a topic.
 OFTEN = 0.5
 

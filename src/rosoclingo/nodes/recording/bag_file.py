@@ -9,8 +9,6 @@ import genpy
 import rosbag
 from std_msgs.msg import String
 
-__all__ = ["BagError", "BagFile", "repair", "unfinished_path"]
-
 #: Bytes of one chunk; an unfinished chunk is lost with the process, so each flush finishes one.
 CHUNK = 768 * 1024
 

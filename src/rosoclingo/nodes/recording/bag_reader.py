@@ -11,8 +11,6 @@ from rosoclingo.nodes.run_topics import RunTopics
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
 
-__all__ = ["bag_runs", "core_in", "open_bag", "read_bag"]
-
 #: The topics of a replay, with names for :func:`full_name`.
 REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 

@@ -20,8 +20,6 @@ from rosoclingo.common.diagnostics import Diagnostics, Findings
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.nodes.recording.bag_file import BagError, BagFile, repair, unfinished_path
 
-__all__ = ["RECORDED", "TOPICS", "RecorderNode", "is_recording"]
-
 PERIOD = 0.1  # s of wall time between two writes
 FLUSH = 1.0  # s of wall time between two flushes, the loss if the recorder is killed
 NOTES = "~notes"  # the topic of notes about the bag

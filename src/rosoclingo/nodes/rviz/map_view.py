@@ -8,8 +8,6 @@ import numpy as np
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 from rosoclingo.runs.planar_frames import yaw_of
 
-__all__ = ["MapView", "bounds_of", "known_bounds", "text_factor", "view_of", "with_view"]
-
 USUAL = WIDTH  # width of a map for which texts and arrows have their default size
 PROPORTION = 1.4  # a window's width divided by its height
 NEAR = 1.0  # distance below which the bounds of the map replace those of its known part, at the default size

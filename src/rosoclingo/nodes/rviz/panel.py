@@ -8,8 +8,6 @@ from rosoclingo.reasoning.keywords import Action, shortened
 from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, reason_of, reason_suffix, status_word
 from rosoclingo.runs.sentences import Sentences
 
-__all__ = ["HEIGHT", "LINES", "Panel", "goals_text", "plan_text"]
-
 TITLE_SIZE = 0.5
 WORDS_SIZE = 0.28
 GAP = 0.15  # below the map, and below the title

@@ -6,21 +6,6 @@ map of 16 m; :func:`larger` adapts them to another map.
 
 from typing import List, NamedTuple, Optional, Tuple
 
-__all__ = [
-    "INK",
-    "LINE_HEIGHT",
-    "PAPER",
-    "PLATES",
-    "TEXT_SIZE",
-    "Colour",
-    "Point",
-    "Shape",
-    "larger",
-    "text_shape",
-    "text_width",
-    "with_plate",
-]
-
 Point = Tuple[float, float, float]
 Colour = Tuple[float, float, float, float]
 
