@@ -1,6 +1,5 @@
 """The command ``request``: sends a goal to the core."""
 
-import time
 from functools import partial
 from typing import Callable
 
@@ -9,10 +8,9 @@ import rospy
 from rosoclingo.msg import ROSoClingoFeedback
 from rosoclingo.nodes.goal_client import CoreClient, SentGoal
 from rosoclingo.nodes.server_watch import Beginning
-from rosoclingo.nodes.words import interfaces_of, words_of
-from rosoclingo.reasoning.interface_register import ReportedInterfaces
+from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.events import SAID, reason_of, reason_suffix
-from rosoclingo.runs.sentences import Sentences, actions_now
+from rosoclingo.runs.sentences import Sentences
 
 Line = Callable[[ROSoClingoFeedback], str]
 End = Callable[[SentGoal], str]
@@ -35,7 +33,6 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
 
     Subscribes:
         CORE/program (std_msgs/String): the program, once, for its words.
-        /diagnostics (diagnostic_msgs/DiagnosticArray): with ``plain``, the interfaces of the core.
     Actions called:
         SERVER (rosoclingo/ROSoClingoAction): the action server ``server``.
     """
@@ -50,7 +47,7 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
     words = words_of(client.node) if plain else None
-    line = _line if words is None else _plain_line(words, interfaces_of(client.node))
+    line = _line if words is None else partial(_plain_line, words)
     end = _end if words is None else partial(_plain_end, words)
     return _follow(client, client.send(text), line, end, say)
 
@@ -77,19 +74,8 @@ def _follow(client: CoreClient, goal: SentGoal, line: Line, end: End, say: Calla
     return EXIT_CODES[goal.outcome]
 
 
-def _plain_line(words: Sentences, interfaces: ReportedInterfaces) -> Line:
-    """Return a function for the line of the current actions; the line is empty until their interfaces are known."""
-
-    def line(feedback: ROSoClingoFeedback) -> str:
-        """Return the line for a feedback message."""
-        plan = feedback.task_plan[feedback.position :]
-        found = [interfaces.fault(one, time.monotonic()) for one in actions_now(feedback.cycle, plan)]
-        faults = [one for one in found if one is not None]
-        if not faults or feedback.status.startswith("waiting"):
-            return words.now(feedback.cycle, feedback.status, plan)
-        return next((f"waits: {one}" for one in faults if one), "")
-
-    return line
+def _plain_line(words: Sentences, feedback: ROSoClingoFeedback) -> str:
+    return words.now(feedback.cycle, feedback.status, feedback.task_plan[feedback.position :])
 
 
 def _line(feedback: ROSoClingoFeedback) -> str:

@@ -166,7 +166,7 @@ class GoalServerTest(unittest.TestCase):
         found = []
         rospy.Subscriber("~goals", GoalStates, found.append)
         with mock.patch.object(goal_handles, "MOST_OPEN", 2):
-            handles = goal_handles.GoalHandles()
+            handles = goal_handles.GoalHandles(lambda: "")
             texts = ["do(walk,1)", "do({},2)".format("x" * 50000), "do(walk,3)"]
             goals = [self.admit(core, client, handles, text) for text in texts]
             self.assertIn(" has 2 open goals", goals[2].ends_as(GoalStatus.REJECTED))

