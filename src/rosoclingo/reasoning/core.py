@@ -205,12 +205,13 @@ class Core(PersistentPart):
 
     def advance(self, now: float) -> bool:
         """Start the next cycle if there is a reason to; return False if the core waits for an arrival."""
-        if self.awaited and not self._due():  # cheap while actions run
+        due = self._due()
+        if not due and self.awaited:  # cheap while actions run
             self._preempt()  # which can end the cycle, as a cancellation is an arrival for the program
-        if not self._due():
-            return False
-        self._next_cycle(now)
-        return True
+            due = self._due()
+        if due:
+            self._next_cycle(now)
+        return due
 
     def improve(self, stopped: Callable[[], bool]) -> bool:
         """Shorten the plan while actions run and nothing waits; return whether a shorter plan can still exist.

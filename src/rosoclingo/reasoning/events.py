@@ -190,11 +190,15 @@ class Announcer(PersistentPart):
         """Report the result of a search, and the beliefs if they have changed."""
         cycle, seconds = self._cycle(), result.statistics
         self._emit(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
-        state = self._present.of(result.answers[0], cycle) if result.answers else self.state
-        if state != self.state:
+        if not result.answers:
+            return
+        before, state = self.state or frozenset(), self._present.of(result.answers[0], cycle)
+        gone, new = before - state, state - before
+        if gone or new or self.state is None:
             self.state = state
-            kept = [atom for atom in self._recorded if state and atom in state]
-            self._recorded = dict.fromkeys((*kept, *(state or ())))
+            for atom in gone:
+                del self._recorded[atom]
+            self._recorded.update(dict.fromkeys(new))
             self.present()
 
     def present(self) -> None:

@@ -43,7 +43,10 @@ class GoalManager(PersistentPart):
         self._goals: Dict[str, Goal] = {}  # the live goals by their handles, oldest first
         self._now = 0.0
         self.queue = Admission(
-            lambda: self.live, settings.goals_at_once, settings.overtaking_limit, settings.search_timeout
+            lambda: list(self._goals.values()),
+            settings.goals_at_once,
+            settings.overtaking_limit,
+            settings.search_timeout,
         )
 
     @property

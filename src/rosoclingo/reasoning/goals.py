@@ -68,13 +68,13 @@ TRANSITIONS: Dict[Tuple[GoalState, GoalEvent], GoalState] = {
 }
 
 #: The states of a goal that a client has cancelled and that has not ended.
-CANCELLING = frozenset({GoalState.RECALLING, GoalState.PREEMPTING})
+CANCELLING = (GoalState.RECALLING, GoalState.PREEMPTING)
 
 #: The states of a goal that the program has not accepted yet.
-UNDECIDED = frozenset({GoalState.PENDING, GoalState.RECALLING})
+UNDECIDED = (GoalState.PENDING, GoalState.RECALLING)
 
 #: The states of goals that have ended.
-TERMINAL = frozenset(set(GoalState) - {state for state, _ in TRANSITIONS})
+TERMINAL = tuple(one for one in GoalState if one not in {state for state, _ in TRANSITIONS})
 
 _ENDINGS = {
     Outcome.SUCCEEDED: GoalEvent.SUCCEED,

@@ -1,7 +1,6 @@
 """Returns and other facts from interfaces: they are checked, matched with running actions, and fed."""
 
 import math
-from collections import Counter
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import (
@@ -91,11 +90,12 @@ class Dispatch:
     @property
     def missing(self) -> Tuple[Action, ...]:
         """The actions that have not returned; each interface has one for each outstanding return."""
-        left, missing = Counter(action.interface for action in self.actions), []
-        left.subtract(answer.interface for answer in self._all)
+        outstanding, missing = [action.interface for action in self.actions], []
+        for answer in self._all:
+            outstanding.remove(answer.interface)
         for action in self._unanswered:
-            if left[action.interface] > 0:
-                left[action.interface] -= 1
+            if action.interface in outstanding:
+                outstanding.remove(action.interface)
                 missing.append(action)
         return tuple(missing)
 

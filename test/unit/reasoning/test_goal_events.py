@@ -74,7 +74,7 @@ def test_goal_events_have_the_documented_effect(event, state, cell):
 def test_goal_event_table_is_complete():
     assert len(list(table())) == 8 * len(STATES)
     live = {state for _, state, _ in table()} - {"ended"}
-    assert live == {state.value for state in set(GoalState) - TERMINAL}
+    assert live == {state.value for state in set(GoalState) - set(TERMINAL)}
 
 
 def test_goal_outcomes_match_the_document():

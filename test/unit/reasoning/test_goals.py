@@ -32,7 +32,7 @@ def test_goal_event_that_its_state_excludes_is_an_error():
     assert one.state is GoalState.SUCCEEDED
 
 
-@pytest.mark.parametrize("state", sorted(set(GoalState) - TERMINAL, key=str))
+@pytest.mark.parametrize("state", sorted(set(GoalState) - set(TERMINAL), key=str))
 @pytest.mark.parametrize("outcome", list(Outcome))
 def test_goal_that_lives_can_have_every_outcome(state, outcome):
     one = at(state)
