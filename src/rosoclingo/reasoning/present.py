@@ -10,8 +10,8 @@ from rosoclingo.reasoning.keywords import NOW
 #: Returns the position of the cycle among the arguments of a predicate, by name and arity; None if it has no cycle.
 TimePosition = Callable[[str, int], Optional[int]]
 
-#: The atoms of an answer without a time, and the other atoms by time, each with the position of the time.
-_Sorted = Tuple[List[Symbol], Dict[Symbol, List[Tuple[Symbol, int]]]]
+#: The atoms of an answer without a time, and the other atoms by time, each with its arguments, ``now`` for the time.
+_Sorted = Tuple[List[Symbol], Dict[Symbol, List[Tuple[Symbol, List[Symbol]]]]]
 
 
 class Present:
@@ -27,22 +27,18 @@ class Present:
     def of(self, answer: FrozenSet[Symbol], cycle: int) -> FrozenSet[Symbol]:
         """Return the atoms without a time, and the atoms of ``cycle`` with the constant ``now`` in its place."""
         timeless, timed = self._sorted(answer)
-        return frozenset([*timeless, *(_at_now(*one) for one in timed.get(Number(cycle), ()))])
+        now = (Function(one.name, arguments, one.positive) for one, arguments in timed.get(Number(cycle), ()))
+        return frozenset([*timeless, *now])
 
     def _sort(self, answer: FrozenSet[Symbol]) -> _Sorted:
         timeless: List[Symbol] = []
-        timed: Dict[Symbol, List[Tuple[Symbol, int]]] = {}
+        timed: Dict[Symbol, List[Tuple[Symbol, List[Symbol]]]] = {}
         for atom in answer:
-            is_function = atom.type is SymbolType.Function
-            position = self._position(atom.name, len(atom.arguments)) if is_function else None
-            if position is not None and atom.arguments[position].type is SymbolType.Number:
-                timed.setdefault(atom.arguments[position], []).append((atom, position))
+            arguments = atom.arguments if atom.type is SymbolType.Function else None
+            position = None if arguments is None else self._position(atom.name, len(arguments))
+            if arguments is not None and position is not None and arguments[position].type is SymbolType.Number:
+                time, arguments[position] = arguments[position], NOW
+                timed.setdefault(time, []).append((atom, arguments))
             else:
                 timeless.append(atom)
         return timeless, timed
-
-
-def _at_now(atom: Symbol, position: int) -> Symbol:
-    arguments = atom.arguments
-    arguments[position] = NOW
-    return Function(atom.name, arguments, atom.positive)

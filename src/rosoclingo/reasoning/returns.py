@@ -245,7 +245,7 @@ class ExecutionMonitor(PersistentPart):
     @property
     def running(self) -> Dict[Action, bool]:
         """The actions that go on after this cycle, as sent, each with whether the plan of this cycle contains it."""
-        found = (action for one in self._dispatches for action in one.running if self.goes_on)
+        found = [action for one in self._dispatches for action in one.running] if self.goes_on else []
         return {action: action not in self._left_out for action in found}
 
     @property
@@ -316,14 +316,15 @@ class ExecutionMonitor(PersistentPart):
         An action that is running is not sent again. Unless ``sends``, the others do not begin.
         """
         self.cycle = cycle
-        names, running = [one.name for one in actions], [one.name for one in self.running]
+        running = {one.name: one for one in self.running}
+        left_out = tuple(one for name, one in running.items() if name not in [action.name for action in actions])
         actions = actions if sends else tuple(one for one in actions if one.name in running)
         sent = tuple(one for one in actions if one.name not in running)
         if sent:
             self._dispatches.append(Dispatch(cycle, sent, now))
         self._under_way = actions
-        self._left_out = frozenset(one for one in self.running if one.name not in names)
-        return sent, tuple(one for one in self.running if one in self._left_out)
+        self._left_out = frozenset(left_out)
+        return sent, left_out
 
     def receive(self, origin: str, facts: Sequence[str]) -> None:
         """Accept facts from the interface ``origin``; invalid facts are reported as problems and ignored."""
