@@ -47,18 +47,19 @@ class LogThrottle:
     Attributes:
         count: the number of all problems.
         latest: the text of the last problem.
+        time: its time in seconds, minus infinity before the first.
 
     """
 
     def __init__(self) -> None:
         self.count = 0
-        self.latest = ""
+        self.latest, self.time = "", float("-inf")
         self._buckets: Dict[Tuple[str, str], _Bucket] = {}  # by origin and kind; an empty kind stands for all kinds
         self._counted: List[str] = []
 
     def take(self, problem: Problem, now: float) -> str:
         """Return the log message for a problem, empty for none; ``now`` is in seconds of a monotonic clock."""
-        self.count += 1
+        self.count, self.time = self.count + 1, now
         self.latest = shortened(f"cycle {problem.cycle}: {problem.message}", LONGEST_LINE)
         self._forget(now)
         origin, text = self._origin(problem.origin), shortened(problem.message, LONGEST_LINE)

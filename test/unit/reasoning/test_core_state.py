@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_term
-from rosoclingo.reasoning.core_state import FRESH, OK, WARN, Health
+from rosoclingo.reasoning.core_state import FRESH, OK, WARN, describe_core
 from rosoclingo.reasoning.events import Mode, PlanMade, Problem
 from rosoclingo.reasoning.keywords import action_of, shortened
 from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
@@ -72,12 +72,10 @@ def core(*awaited, lost=(), mode=Mode.RUNNING, fed=()):
 
 
 def test_core_state_makes_a_diagnostics_report():
-    health = Health()
-    assert health.describe(core(), 0.0, [])[:2] == (OK, "idle")
-    assert health.describe(core(), 0.0, [])[2]["horizon"] == 1
-    health.plan_made(PlanMade(4, 7, (), 0.25, 0.5))
+    level, message, values = describe_core(core(), None, LogThrottle(), [], "", 0.0)
+    assert (level, message, values["horizon"]) == (OK, "idle", 1)
     busy = core("_action_lib(a,b,4)", fed=[True, False])
-    assert health.describe(busy, 0.0, ["c", "d"]) == (
+    assert describe_core(busy, PlanMade(4, 7, (), 0.25, 0.5), LogThrottle(), ["c", "d"], "", 0.0) == (
         OK,
         "waits for _action_lib(a,b,4)",
         {
@@ -106,23 +104,15 @@ def test_core_state_makes_a_diagnostics_report():
     ],
 )
 def test_core_state_warns_of_the_most_urgent_fault(state, fault, message):
-    assert Health().describe(core(**state), 0.0, [], fault)[:2] == (WARN, message)
+    assert describe_core(core(**state), None, LogThrottle(), [], fault, 0.0)[:2] == (WARN, message)
 
 
 def test_core_state_shows_a_problem_for_a_while():
-    health = Health()
-    health.problem(Problem(4, "all is lost"), 100.0)
-    assert health.describe(core(), 100.0 + FRESH / 2, [])[:2] == (WARN, "cycle 4: all is lost")
-    level, message, values = health.describe(core(), 100.0 + FRESH, [])
+    problems = LogThrottle()
+    problems.take(Problem(4, "all is lost"), 100.0)
+    assert describe_core(core(), None, problems, [], "", 100.0 + FRESH / 2)[:2] == (WARN, "cycle 4: all is lost")
+    level, message, values = describe_core(core(), None, problems, [], "", 100.0 + FRESH)
     assert (level, message, values["problems"], values["last error"]) == (OK, "idle", 1, "cycle 4: all is lost")
-
-
-def test_core_state_describes_problems_in_words():
-    health = Health()
-    assert health.problem(Problem(4, "all is lost"), 100.0) == "cycle 4: all is lost"
-    assert health.problem(Problem(5, "all is lost"), 101.0) == "", "it was said before"
-    assert health.counted(102.0) == []
-    assert health.counted(101.0 + QUIET) == ["1 more of this kind in a minute, the last: cycle 5: all is lost"]
 
 
 def test_core_state_shows_both_ends_of_long_problem():

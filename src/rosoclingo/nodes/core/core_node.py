@@ -25,7 +25,7 @@ from rosoclingo.oclingo import DroppedError
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.core_state import Health
+from rosoclingo.reasoning.core_state import describe_core
 from rosoclingo.reasoning.events import (
     ActionsDispatched,
     ActionsPreempted,
@@ -43,6 +43,7 @@ from rosoclingo.reasoning.goals import GoalState, Outcome
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.keywords import return_of
+from rosoclingo.reasoning.log_throttle import LogThrottle
 from rosoclingo.reasoning.settings import JOINING
 from rosoclingo.reasoning.stream_planner import Halt
 from rosoclingo.runs.recorded_run import RunProgram
@@ -181,7 +182,7 @@ class CoreNode:
         self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
         self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
         self._facts = FactIntake(self._core, self._register, self._worker, self._topics)
-        self._health = Health()
+        self._problems, self._plan = LogThrottle(), None  # type: LogThrottle, Optional[PlanMade]
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
         self._outlets: Dict[Type[Event], Callable[[Any], None]] = {
             UpdateSent: self._topics.update_sent,
@@ -326,7 +327,7 @@ class CoreNode:
 
     def _tick(self) -> None:
         """Publish and log changes; called often, also during a search."""
-        for line in self._health.counted(time.monotonic()):
+        for line in self._problems.counted(time.monotonic()):
             rospy.logwarn("%s", line)
         self._diagnostics.tick()
         self._handles.tick()
@@ -427,7 +428,7 @@ class CoreNode:
 
     def _plan_made(self, event: PlanMade) -> None:
         self._topics.plan_made(event)
-        self._health.plan_made(event)
+        self._plan = event
 
     def _return_taken(self, event: ReturnAccepted) -> None:
         self._topics.return_taken(event)
@@ -435,7 +436,7 @@ class CoreNode:
 
     def _log_problem(self, event: Problem) -> None:
         """Log a problem, unless it was logged before."""
-        line = self._health.problem(event, time.monotonic())
+        line = self._problems.take(event, time.monotonic())
         if line:
             rospy.logwarn("%s", line)
 
@@ -451,4 +452,4 @@ class CoreNode:
                 self._log_problem(Problem(self._core.cycle, one.text, one.action.interface_name))
         start = "" if rospy.get_time() else "waits for /clock"
         fault = start or self._keeper.fault or (missing[0].text if missing else "")
-        return self._health.describe(self._core, now, self._register.names, fault)
+        return describe_core(self._core, self._plan, self._problems, self._register.names, fault, now)
