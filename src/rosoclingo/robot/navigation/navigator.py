@@ -1,7 +1,7 @@
 """Navigation to a goal: the state machine of move_base, without ROS."""
 
 import math
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from rosoclingo.robot.navigation.navigation_types import (
     Tick,
     Trigger,
 )
-from rosoclingo.robot.navigation.planning import Planning, cut_start
+from rosoclingo.robot.navigation.planning import Planning
 from rosoclingo.robot.navigation.progress import PathProgress
 from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
@@ -34,14 +34,6 @@ BLOCKED_TIMES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 # The factor applies once more for each detour and each path left.
 LENGTH_RATIO = 0.9
 TOLERANCE = 0.75  # cells: tolerance in the clearance of a path
-MOTION_LIMIT = 0.1  # m: motion during planning beyond which the start of the plan is cut off
-
-
-class PlanRequest(NamedTuple):
-    """Pending plan from a start. ``keep``: keep the old path unless the new one is better."""
-
-    start: Pose2D
-    keep: bool
 
 
 class Navigator:
@@ -62,7 +54,8 @@ class Navigator:
     ) -> None:
         self.costmap, self.follower = costmap, follower
         self.planning = planning or Planning(planner)
-        self._asked: Optional[PlanRequest] = None
+        # Whether the pending plan must be better than the old path to replace it; None: no plan is pending.
+        self._asked: Optional[bool] = None
         self.recoveries = recoveries
         self.limits = limits or NavigatorLimits()
         self.state = NavigatorState.IDLE
@@ -232,7 +225,7 @@ class Navigator:
 
     def _ask(self, pose: Pose2D, keep: bool) -> Optional[GlobalPlan]:
         """Request a plan. Return it if it is available at once."""
-        self._asked, self._changed = PlanRequest(pose, keep), False
+        self._asked, self._changed = keep, False
         self.planning.ask(self.costmap, pose, self.goal)
         return self.planning.answer()
 
@@ -244,7 +237,7 @@ class Navigator:
     def _make_plan(self, now: float, pose: Pose2D, keep: bool = False) -> Optional[bool]:
         """Request or continue a plan. Return whether there is a path to follow, None while the plan is pending."""
         if self._asked is not None:
-            plan, keep = self.planning.answer(), self._asked.keep
+            plan = self.planning.answer()
         else:
             if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
                 self.costmap.bar(*self._block)
@@ -255,20 +248,17 @@ class Navigator:
 
     def _take_plan(self, now: float, pose: Pose2D, plan: GlobalPlan) -> bool:
         """Adopt a plan unless the old path is as good. Return whether there is a path to follow."""
-        assert self._asked is not None
-        (start, keep), self._asked = self._asked, None
+        keep, self._asked = self._asked, None
         self._planned_at = now
         if plan.outcome is not PlanOutcome.FOUND:
             self.plan = plan
             return False
-        if start.distance(pose) > MOTION_LIMIT:
-            plan = plan._replace(points=cut_start(plan.points, pose, start.distance(pose)))
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
         if keep and good and plan.length > left * LENGTH_RATIO ** (1 + self._progress.detours + self._left):
             return True
-        self._left += keep and not good
+        self._left += bool(keep) and not good
         self.plan, self._good_until = plan, now
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)

@@ -2,8 +2,6 @@
 
 from typing import Optional
 
-import numpy as np
-
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
@@ -28,15 +26,3 @@ class Planning:
     def drop(self) -> None:
         """Cancel the request."""
         self._plan = None
-
-
-def cut_start(points: np.ndarray, pose: Pose2D, moved: float) -> np.ndarray:
-    """Return the rest of a path (n, 2; m) from the point nearest to a robot that has moved by ``moved`` m.
-
-    The search is limited to the part of the path that the robot can have covered.
-    """
-    if len(points) < 3 or moved <= 0.0:
-        return points
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    near = points[along <= 2.0 * moved][:-1] if along[-1] <= 2.0 * moved else points[along <= 2.0 * moved]
-    return points[int(np.hypot(*(near - (pose.x, pose.y)).T).argmin()) :]

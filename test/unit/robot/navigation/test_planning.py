@@ -15,7 +15,7 @@ from rosoclingo.robot.navigation import (
     PlanOutcome,
     Pose2D,
 )
-from rosoclingo.robot.navigation.planning import Planning, cut_start
+from rosoclingo.robot.navigation.planning import Planning
 from rosoclingo.robot.simulation import ObstacleSpec
 
 WALLS = ((3.0, 0.0, 3.1, 2.4), (3.0, 3.3, 3.1, 6.0))
@@ -121,18 +121,6 @@ def test_late_plan_costs_no_patience():
     assert drive.to(GOAL).message == "Goal reached."
     assert drive.recoveries == []
     assert drive.world.time > 30.0
-
-
-@pytest.mark.parametrize(
-    ("pose", "moved", "first"),
-    [((0.0, 0.0), 0.0, (0, 0)), ((1.1, 0.1), 1.0, (1, 0)), ((2.0, 0.9), 3.0, (2, 1)), ((9.0, 9.0), 0.3, (0, 0))],
-)
-def test_planning_returns_the_rest_of_a_path(pose, moved, first):
-    points = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2)], dtype=float)
-    left = cut_start(points, Pose2D(*pose), moved)
-    assert tuple(left[0]) == first
-    assert tuple(left[-1]) == (2.0, 2.0)
-    assert len(cut_start(points[:2], Pose2D(1.0, 0.0), 5.0)) == 2
 
 
 def test_planning_snapshot_keeps_the_costmap_unchanged():
