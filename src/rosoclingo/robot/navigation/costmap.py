@@ -98,10 +98,6 @@ class Costmap:
         """Convert a point (m) to cells, the unit of the compiled functions."""
         return (x - self.grid.origin_x) / self.resolution, (y - self.grid.origin_y) / self.resolution
 
-    def to_metres(self, x: float, y: float) -> Tuple[float, float]:
-        """Convert a point (cells) to m."""
-        return self.grid.origin_x + x * self.resolution, self.grid.origin_y + y * self.resolution
-
     def all_to_cells(self, points: np.ndarray) -> np.ndarray:
         """Convert points (float64 n, 2; m) to cells."""
         return (points - (self.grid.origin_x, self.grid.origin_y)) / self.resolution

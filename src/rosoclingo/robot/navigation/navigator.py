@@ -1,12 +1,12 @@
 """Navigation to a goal: the state machine of move_base, without ROS."""
 
 import math
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional
 
 import numpy as np
 
 from rosoclingo.robot.navigation.brake import brake
-from rosoclingo.robot.navigation.compiled.path import first_block
+from rosoclingo.robot.navigation.compiled.path import is_blocked
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner, PlanOutcome
@@ -27,12 +27,12 @@ from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
 # Minimum time (s) between two plans. Limits replanning while a blocked robot keeps seeing new obstacles.
 PLAN_PERIOD = 0.25
-# Time (s) for which a path must appear blocked before the robot leaves it, by the number of paths left since the last
-# progress. Obstacles at the edge of the beam are marked in some scans only, and must not make the robot oscillate.
-BLOCKED_TIMES = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-# Maximum relative length of a new path that replaces an unblocked one, to avoid oscillation between equally long paths.
-# The factor applies once more for each detour and each path left.
-LENGTH_RATIO = 0.9
+# Time (s) for which a path must appear blocked before the robot leaves it, for each path left since the last progress.
+# Obstacles at the edge of the beam are marked in some scans only, and must not make the robot oscillate.
+BLOCKED_TIME = 1.0
+# Maximum relative length of a new path that replaces an unblocked one, and its factor for each path left. They avoid
+# oscillation between equally long paths.
+LENGTH_RATIO, LEFT_RATIO = 0.9, 0.7
 TOLERANCE = 0.75  # cells: tolerance in the clearance of a path
 
 
@@ -132,7 +132,6 @@ class Navigator:
         self._drop()
         self._now = self._last_plan = self._last_control = now
         self._progress = PathProgress(self.limits, now)
-        self._block: Optional[Tuple[float, float]] = None
         self.costmap.unbar()
         self._planned_at = self._good_until = -math.inf
         self._tries = self._recovery = self._left = 0
@@ -239,8 +238,6 @@ class Navigator:
         if self._asked is not None:
             plan = self.planning.answer()
         else:
-            if keep and self._block is not None and self._left > 0 and not self._seems_good(now):
-                self.costmap.bar(*self._block)
             plan = self._ask(pose, keep)
         if plan is not None and plan.outcome is not PlanOutcome.FOUND and self.costmap.unbar():
             plan = self._ask(pose, keep)
@@ -256,7 +253,7 @@ class Navigator:
         self._last_plan, self._tries = now, 0
         left = self.follower.length_left(pose)
         good = self._seems_good(now)
-        if keep and good and plan.length > left * LENGTH_RATIO ** (1 + self._progress.detours + self._left):
+        if keep and good and plan.length > left * LENGTH_RATIO * LEFT_RATIO**self._left:
             return True
         self._left += bool(keep) and not good
         self.plan, self._good_until = plan, now
@@ -267,8 +264,7 @@ class Navigator:
 
     def _replan(self, now: float, pose: Pose2D) -> bool:
         """Replan if necessary. Return whether there is a path to follow."""
-        self._block = self._first_block(pose)
-        if self._block is None:
+        if not self._blocked(pose):
             self._good_until = now
         if self._asked is not None:
             return self._make_plan(now, pose) is not False
@@ -281,13 +277,12 @@ class Navigator:
         return True
 
     def _seems_good(self, now: float) -> bool:
-        return now - self._good_until <= BLOCKED_TIMES[min(self._left, len(BLOCKED_TIMES) - 1)]
+        return now - self._good_until <= BLOCKED_TIME * self._left
 
-    def _first_block(self, pose: Pose2D) -> Optional[Tuple[float, float]]:
-        """Return the first blocked point (m) of the path, or None."""
+    def _blocked(self, pose: Pose2D) -> bool:
+        """Return whether the path before the robot is blocked."""
         costmap = self.costmap
         radius = max(self.follower.radius, self.plan.radius) / costmap.resolution
         cells = costmap.all_to_cells(self.plan.points)
         x, y = costmap.to_cells(pose.x, pose.y)
-        block = first_block(costmap.clearance, costmap.closed, cells, x, y, radius - TOLERANCE)
-        return None if math.isnan(block[0]) else costmap.to_metres(*block)
+        return bool(is_blocked(costmap.clearance, costmap.closed, cells, x, y, radius - TOLERANCE))

@@ -33,8 +33,8 @@ def least_along(clearance, x0, y0, x1, y1):
 
 
 @jit
-def first_block(clearance, closed, points, x, y, radius):
-    """Return the first point (x, y) of a path (float64 n, 2) with less clearance than ``radius``, or NaN.
+def is_blocked(clearance, closed, points, x, y, radius):
+    """Return whether a path (float64 n, 2; x, y) has less clearance than ``radius`` somewhere.
 
     Cells that are ``closed`` (bool H, W) block as well. The part behind the robot at (x, y) is ignored. Near the robot,
     its present clearance is enough.
@@ -49,8 +49,8 @@ def first_block(clearance, closed, points, x, y, radius):
         x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
         least = here if math.hypot(x0 - x, y0 - y) < 2.0 * radius + 3.0 else radius
         if least_along(clearance, x0, y0, x1, y1) < least or closed[int(y1), int(x1)]:
-            return x1, y1
-    return np.nan, np.nan
+            return True
+    return False
 
 
 @jit
