@@ -1,9 +1,10 @@
-"""Profiles for hypothesis, markers for slow tests, the first case of each test, messages, and a browser.
+"""Profiles for hypothesis, markers for slow and sampled tests, the first case of each test, messages, and a browser.
 
 The standing run uses the same random examples each time, the other profiles use new ones.
 """
 
 import os
+from collections import defaultdict
 from pkgutil import extend_path
 
 import browser
@@ -30,7 +31,9 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Mark mostly_slow tests as slow, except their first case; with --each-once leave cases out."""
+    """Mark mostly_slow tests as slow, except their first case; leave out cases if sampled, or with --each-once."""
+    config.hook.pytest_deselected(items=(left_out := beyond_samples(items)))
+    items[:] = [item for item in items if item not in left_out]
     begun = set()
     for item in items:
         if item.get_closest_marker("mostly_slow") and name_of(item) in begun:
@@ -44,6 +47,18 @@ def pytest_collection_modifyitems(config, items):
                 first.setdefault(name_of(item), item)
         config.hook.pytest_deselected(items=[one for one in items if first.get(name_of(one)) is not one])
         items[:] = first.values()
+
+
+def beyond_samples(items):
+    """Return the cases of sampled tests that the standing run leaves out: all but some, evenly spread."""
+    cases, left_out = defaultdict(list), set()
+    for item in items:
+        if item.get_closest_marker("sampled"):
+            cases[name_of(item)].append(item)
+    for group in cases.values():
+        number = sized(group[0].get_closest_marker("sampled").args[0], len(group))
+        left_out |= {*group} - {group[one * len(group) // number] for one in range(number)}
+    return left_out
 
 
 def name_of(item):

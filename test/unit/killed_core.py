@@ -58,10 +58,10 @@ class Fate:
         self._on_disk = 0  # bytes of the log that survive a crash of the machine
 
     def kills_at_every_instant(self):
-        """Return a kill at each instant, within a write at three shares of it; every 17th if examples are few."""
+        """Return a kill at each instant, within a write at three shares of it; every 31st if examples are few."""
         shares = {False: (0,), True: (0, 500, 1000)}
         kills = [(at, share) for at in range(1, self.instants + 1) for share in shares[at in self.writes]]
-        return kills[:: sized(standing=17, full=1)]
+        return kills[:: sized(standing=31, full=1)]
 
     @contextlib.contextmanager
     def rules(self):

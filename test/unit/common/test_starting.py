@@ -105,6 +105,7 @@ def test_start_of_simulation_nodes_reports_missing_modules(script, module, packa
     assert line.endswith(f": rosdep install rosoclingo, or {sys.executable} -m pip install {package}")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])

@@ -111,6 +111,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "words", "environment"),
@@ -123,6 +124,7 @@ def test_streams_commands_print_any_text_in_any_locale(folder, command, words, e
     assert re.search(words, output + errors), (output, errors)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 @pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
@@ -131,6 +133,7 @@ def test_streams_programs_are_utf8_in_any_locale(folder, command, environment):
     assert '("Küche")' in output
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 def test_streams_standard_input_is_utf8_in_any_locale(folder, environment):

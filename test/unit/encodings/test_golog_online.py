@@ -126,6 +126,7 @@ def core(text):
     return run(program(), f"goal g run(p{TEXTS[text]},1)")
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
@@ -139,6 +140,7 @@ def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
         assert sorted(found) == actions.split()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(("text", "before", "after"), CANCELLED)
 def test_golog_program_reacts_to_a_cancel(text, before, after):
@@ -152,6 +154,7 @@ def test_golog_program_reacts_to_a_cancel(text, before, after):
     play(driver, f"cancel g; is g preempting; fail stuck; performs {after}; is g preempted")
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.slow
 @pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
 def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
@@ -213,12 +216,14 @@ SLOW_SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.slow
 @scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["search1", "search2", "search3"])
 def test_golog_waiting_search_within_others_blocks_them_all(name):

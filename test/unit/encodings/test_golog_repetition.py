@@ -64,6 +64,7 @@ STORIES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.slow
 @scripts(STORIES)
 def test_golog_programs_are_sent_again(row):

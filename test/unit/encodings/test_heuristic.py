@@ -118,6 +118,7 @@ def first_step(graph, office, targets):
     raise AssertionError("no way")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(("corridors", "number"), [(ROW[:3], 20), (STAR, 8), (THETA, 10), (MESH, 8)])
 def test_heuristic_finds_plan_for_many_requests_without_conflicts(corridors, number):
@@ -153,6 +154,7 @@ def test_heuristic_is_needed_within_the_conflict_limit():
     assert plan(control) is None
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
 def test_heuristic_finds_plan_soon_with_a_blocked_way(way):

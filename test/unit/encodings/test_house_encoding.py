@@ -69,6 +69,7 @@ STORIES = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.slow
 @scripts(STORIES)
 def test_house_follows_the_script(row):

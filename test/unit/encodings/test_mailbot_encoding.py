@@ -205,6 +205,7 @@ class Robot(Mailbot):
         assert " ".join(f"{number} {end}" for number, (end, _) in sorted(self.ends.items())) == " ".join(words)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.slow
 @scripts(LIVES)
 def test_mailbot_life_follows_the_script(row):
@@ -212,6 +213,7 @@ def test_mailbot_life_follows_the_script(row):
     perform(Robot(max(map(max, corridors)), corridors), script)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("corridors", "capacity"), [(ROW, 3), (RING, 1), (FLOOR, 3)])
 def test_mailbot_carries_at_most_its_capacity(corridors, capacity):
@@ -303,6 +305,7 @@ def test_mailbot_rejects_an_office_without_a_way(tmp_path: Path):
     assert [str(one) for one in found] == ['_status(1,rejected(("no way leads to ",attic)),1)']
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "absent", [["search.lp", "heuristic.lp", "floor.lp"], ["search.lp"], ["heuristic.lp"], ["faults.lp"]]

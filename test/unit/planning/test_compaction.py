@@ -97,6 +97,7 @@ def compact(text, *updates, steps=8, every=1):
     return compacting
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("rules", "updates", "reached"),
@@ -247,6 +248,7 @@ def drive(solver, cycles, margin, every=2, improves=False):
     return solver
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("text", "margin", "every"), [(ROBOT, 0, 2), (ROBOT, 5, 2), (RARE, 3, 5)])
 def test_compaction_bounds_the_snapshot_of_a_long_stream(text, margin, every):

@@ -190,6 +190,7 @@ def test_each_event_changes_no_answer():
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("compacts_at_once")
+@settings(max_examples=settings.default.max_examples // 2)
 @given(
     st.sampled_from(sorted({*PROGRAMS} - {"mailbot"})),
     st.integers(0, 10**6),
@@ -200,6 +201,7 @@ def test_events_between_updates_change_no_answer(name, seed, models, events):
     play(Trip(name, Random(seed), None, models), events)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(PROGRAMS))
 @settings(max_examples=settings.default.max_examples // 6)

@@ -7,7 +7,7 @@ import pytest
 from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, what_if, why
 
 pytestmark = pytest.mark.slow
-SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "15"))
+SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "8"))
 FEW = 15  # in a sample this small, explanations are compared for all kinds except day
 
 

@@ -122,6 +122,7 @@ def found(name):
     return program, verify(program, selection, VerifyLimits(events=max(cost, 1), steps=8), seconds=300)
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
 def test_verify_finds_a_defect_by_the_shortest_run(name):
@@ -148,6 +149,7 @@ def shows(kind, driver, finding):
     return not core.live_goals or bool(core.plan.remaining(core.cycle))
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
 def test_core_shows_the_defects_of_verify(name):
@@ -164,6 +166,7 @@ def test_moves_fail_a_parameter_named_like_a_reason():
         assert {str(answer.value) for answer in tried} == values
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO, MACHINES], ids=["visits", "carries", "echo", "machines"])
 def test_verify_finds_sound_programs_clean(text):
@@ -171,6 +174,7 @@ def test_verify_finds_sound_programs_clean(text):
     assert verdict.clean, verdict.text()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOUND)
 def test_verify_finds_sound_foreign_programs_clean(name):

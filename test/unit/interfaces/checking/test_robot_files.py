@@ -196,6 +196,7 @@ SEEDS = [
 ]
 
 
+@pytest.mark.sampled(13)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
 def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
