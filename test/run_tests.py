@@ -33,7 +33,7 @@ GROUPS = ("lint", "unit", "rostest", "python38", "install", "pip")  # and "quick
 SLOW_LINTERS = ("mypy", "vermin")
 ROSTESTS = sorted((ROOT / "test" / "rostest").rglob("*.test"), key=lambda path: path.stem)
 # also on Python 3.8: the core and the interfaces with all their imports, and tests without compiled ROS modules
-ON_BOTH = ("configured_interfaces", "core_words", "goal_server", "scenario_player")
+ON_BOTH = ("configured_interfaces", "core_words")
 # These compute little: two of them run next to one of the others for every two cores. More at a time take longer than
 # one after the other, since simulated time, and its cost, goes on meanwhile.
 WAITING = (
@@ -146,9 +146,9 @@ class Tests:
         if not environment:
             print("none   python38: see the message above", flush=True)
             return Outcome()
-        print("(on Python 3.8 the first case of each test that is neither slow nor marked once)", flush=True)
+        print("(on Python 3.8 the first test of each file that is neither slow nor marked once)", flush=True)
         # the folder is named because an older pytest does not look for options in testpaths
-        return self._unit(ON_PYTHON38, environment, [*ONE_PROCESS, "--each-once", str(ROOT / "test" / "unit")])
+        return self._unit(ON_PYTHON38, environment, [*ONE_PROCESS, "--first-of-files", str(ROOT / "test" / "unit")])
 
     def _lint(self, names: Iterable[str]) -> Outcome:
         return sum((self._run("lint", name, LINTERS[name], LINT_LIMIT, os.environ) for name in names), Outcome())

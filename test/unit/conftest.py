@@ -1,4 +1,4 @@
-"""Profiles for hypothesis, markers for slow and sampled tests, the first case of each test, messages, and a browser.
+"""Profiles for hypothesis, markers for slow and sampled tests, the first test of each file, messages, and a browser.
 
 The standing run uses the same random examples each time, the other profiles use new ones.
 """
@@ -24,14 +24,13 @@ ABOUT_NO_PYTHON = ("encodings", "bench")
 
 def pytest_addoption(parser):
     """Add the option for a second Python."""
-    parser.addoption(
-        "--each-once", action="store_true", help="the first case of each test that is neither slow nor once"
-    )
+    text = "of each file the first test that is neither slow nor once"
+    parser.addoption("--first-of-files", action="store_true", help=text)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    """Mark mostly_slow tests as slow, except their first case; leave out cases if sampled, or with --each-once."""
+    """Mark mostly_slow tests as slow, except their first case; leave out cases if sampled, or by an option."""
     config.hook.pytest_deselected(items=(left_out := beyond_samples(items)))
     items[:] = [item for item in items if item not in left_out]
     begun = set()
@@ -39,13 +38,13 @@ def pytest_collection_modifyitems(config, items):
         if item.get_closest_marker("mostly_slow") and name_of(item) in begun:
             item.add_marker("slow")
         begun.add(name_of(item))
-    if config.getoption("--each-once"):
+    if config.getoption("--first-of-files"):
         first = {}
         for item in items:
             left_out = item.get_closest_marker("slow") or item.get_closest_marker("once")
             if not left_out and item.path.parent.name not in ABOUT_NO_PYTHON:
-                first.setdefault(name_of(item), item)
-        config.hook.pytest_deselected(items=[one for one in items if first.get(name_of(one)) is not one])
+                first.setdefault(item.path, item)
+        config.hook.pytest_deselected(items=[one for one in items if first.get(one.path) is not one])
         items[:] = first.values()
 
 

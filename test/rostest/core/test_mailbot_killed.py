@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from core_helpers import Client
 from interface_helpers import PATIENCE, init_node, kill, wait_for_server, wait_to_hear, wait_until
 
-SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "5")))
+SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "3")))
 OFFICES = ("office1", "office2", "office3", "office4")
 INTERFACES = {"pickup": "pickup_interface", "deliver": "deliver_interface", "move_base": "move_base_interface"}
 ALL, NODE = tuple(INTERFACES.values()), "rosoclingo"

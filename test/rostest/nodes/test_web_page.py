@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import unittest
+from contextlib import ExitStack
 from pathlib import Path
 
 import rospy
@@ -39,6 +40,8 @@ GOAL = "goal(office2,office3,1)"
 
 
 class WebPage(unittest.TestCase):
+    stack = ExitStack()
+
     @classmethod
     def setUpClass(cls):
         init_node("web_page_test")
@@ -51,20 +54,20 @@ class WebPage(unittest.TestCase):
         for topic in TOPICS:
             wait_until(lambda topic=topic: is_delivered_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
-
-    def setUp(self):
         path = browser.found()
         if path is None:
-            self.skipTest("there is no browser: install chromium")
-        self.page = self.enterContext(browser.Browser(path))
-        self.page.size(1280, 900)
+            raise unittest.SkipTest("there is no browser: install chromium")
+        cls.page = cls.stack.enter_context(browser.Browser(path))
+        cls.page.size(1280, 900)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.stack.close()
+
+    def setUp(self):
         self.page.open(self.address)
         self.connected()
-
-    def enterContext(self, context):  # unittest has it from Python 3.11 on
-        value = context.__enter__()
-        self.addCleanup(context.__exit__, None, None, None)
-        return value
+        self.page.faults.clear()
 
     def connected(self):
         self.page.wait_for("document.getElementById('connection').textContent === 'Live'")
