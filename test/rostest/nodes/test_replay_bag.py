@@ -36,7 +36,7 @@ from carrying_world import HOUSE, OFFICE, ROBOT
 from interface_helpers import Process, executable, init_node, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
-GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "8"))
+GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "5"))
 WORLDS = {"office": OFFICE, "house": HOUSE}
 CORE_TOPICS = [
     f"/{world}/{topic}"

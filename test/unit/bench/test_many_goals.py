@@ -20,14 +20,12 @@ def task(offices, count, seed=1):
 
 
 @pytest.mark.slow
-def test_many_goals_rows_for_batch_and_stream(monkeypatch):
+def test_many_goals_row_of_a_batch(monkeypatch):
     monkeypatch.setattr(peers, "folder_of", lambda package: None)
     monkeypatch.setattr(comparison.CoreParameters, "plan_time", 0.05)
     once = many_goals.measure_row("4", 3, "once", OPTIONS)
     assert once["first"] == once["all"] >= once["executed"] == 12
     assert once["wait"] == 0
-    stream = many_goals.measure_row("4", 3, "stream", OPTIONS)
-    assert stream["executed"] >= 12
 
 
 @pytest.mark.slow

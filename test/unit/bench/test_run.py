@@ -1,4 +1,4 @@
-"""The runner of the benches, with small repositories whose benches measure nothing, and with the real one."""
+"""The runner of the benches, with small repositories whose benches measure nothing; the options of the real benches."""
 
 import runpy
 import shutil
@@ -143,13 +143,15 @@ def runner(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
-@pytest.mark.slow
-def test_bench_run_of_a_real_bench(tmp_path):
-    done = runner("cut_off", "--work", tmp_path)
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
-    assert lines[0].split() == ["bench", "figure", "unit", "best", "median"]
-    assert [line.split()[0] for line in lines[1:-1]] == ["cut_off"] * 4
+def test_bench_run_prints_a_table(repository, tmp_path, monkeypatch, capsys):
+    repository.bench("a value")
+    repository.commit(3)
+    monkeypatch.setattr(run, "BENCHES", ["speed"])
+    monkeypatch.setattr(sys, "argv", ["run.py", "--work", str(tmp_path)])
+    assert run.main() == 0
+    head, row, _load = capsys.readouterr().out.splitlines()
+    assert head.split() == ["bench", "figure", "unit", "best", "median"]
+    assert row.split() == ["speed", "a", "value", "ms", "3", "3"]
     assert not list((tmp_path / "bench").iterdir()), "logs of successful runs are removed"
 
 

@@ -44,6 +44,7 @@ def run(script, *arguments, **environment):
     )
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_start_help_names_parameters_without_a_master(script):

@@ -45,6 +45,7 @@ def test_verify_finds_small_programs_clean(name):
     assert verdict.clean, verdict.text()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("files", [("mailbot.lp", "office.lp"), ("house.lp", "home.lp")], ids=["office", "house"])
 def test_verify_finds_delivery_programs_clean(files):
@@ -69,6 +70,7 @@ def test_verify_accepts_late_corrections_of_the_mailbot(fact):
     assert verdict.clean, verdict.text()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "facts", "events", "word", "floor"),
