@@ -56,6 +56,7 @@ WAITING = (
     "recorder",
     "request_lost",
     "scenario_player",
+    "scenarios_office",
     "shipped_interfaces",
     "silence",
     "simulated_time_interfaces",

@@ -11,7 +11,7 @@ from outcome import Outcome
 
 HERE, AGAIN = "unit", "unit on Python 3.8"
 FIRST, BURST = "rostest core", "rostest fleet"
-ON_BOTH = ("rostest goal_server on Python 3.8", AGAIN)
+ON_BOTH = ("rostest core_words on Python 3.8", AGAIN)
 
 
 class RecordedTests(run_tests.Tests):
