@@ -36,7 +36,7 @@ import browser
 
 OPTIONS = argparse.Namespace()
 PATIENCE = 300.0  # seconds of wall time
-SPEED, QUICK_SPEED = 10.0, 5.0  # simulated seconds per second, of the simulator and of quick_robot.py
+SPEED = 10.0  # simulated seconds per second
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
 
@@ -95,7 +95,7 @@ def recording_and_flying():
     if not is_recording(RECORDED):
         return False
     rospy.wait_for_service("simulator/set_speed", PATIENCE)
-    return rospy.ServiceProxy("simulator/set_speed", SetSpeed)(QUICK_SPEED if OPTIONS.quick_robot else SPEED).success
+    return rospy.ServiceProxy("simulator/set_speed", SetSpeed)(SPEED).success
 
 
 class ScenarioTest(unittest.TestCase):

@@ -68,6 +68,7 @@ def test_delivery_constants_do_not_clash_with_names_of_things():
     assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period", "_most", "_late"}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["window", "told", "memory", "period"])
 def test_delivery_things_can_have_any_name(thing):

@@ -223,6 +223,7 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
     assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [None, "lost"])
 def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason):
@@ -236,6 +237,7 @@ def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason
     assert (fleet.last(1), fleet.last(2)) == ("aborted", "succeeded")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [None, "failed"])
 @pytest.mark.parametrize("back_first", [False, True])

@@ -10,7 +10,7 @@ from rosoclingo.oclingo import parse_atom
 from rosoclingo.planning.history import Plan
 
 #: Goals after which all bounded containers are full; the solver compacts more often than that.
-GOALS = 90  # after these goals the solver has compacted at every place where it can
+GOALS = sized(60, 90)  # after these goals the solver has compacted at every place where it can
 
 
 def objects(driver, first, last):
@@ -31,7 +31,7 @@ def test_core_memory_does_not_grow_with_goals(request):
     gc.freeze()  # the objects of other tests are neither counted nor visited
     request.addfinalizer(gc.unfreeze)
     objects(driver, 0, GOALS)
-    more = sized(50, GOALS)
+    more = sized(20, GOALS)
     before = objects(driver, GOALS, GOALS + more)
     assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
 

@@ -54,7 +54,7 @@ def test_late_facts_follow_the_script(row):
 @pytest.mark.slow
 @pytest.mark.once
 def test_late_facts_of_long_past_cycles_are_redated():
-    goals = sized(40, 130)
+    goals = sized(25, 130)
     now = 2 * goals + 1
     driver = Driver(BATTERY)
     for number in range(goals):

@@ -162,6 +162,7 @@ PHASES = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("preempt", [False, True])
 @scripts(PHASES)
