@@ -44,7 +44,7 @@ def run(script, *arguments, **environment):
     )
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_start_help_names_parameters_without_a_master(script):
@@ -75,6 +75,7 @@ def run_without(modules, folder, script, *arguments):
     return run(script, *arguments, PYTHONPATH=os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")]))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
 def test_start_without_clingo_explains_its_installation(script, tmp_path):
@@ -88,6 +89,7 @@ def test_start_without_clingo_explains_its_installation(script, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("script", "module", "package"),
     [

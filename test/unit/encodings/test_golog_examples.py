@@ -59,7 +59,7 @@ SLOW_RUNS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @scripts(RUNS, SLOW_RUNS)
 def test_golog_example_runs_as_published(row):
     name, script = row

@@ -126,7 +126,7 @@ def core(text):
     return run(program(), f"goal g run(p{TEXTS[text]},1)")
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(5)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
@@ -154,7 +154,7 @@ def test_golog_program_reacts_to_a_cancel(text, before, after):
     play(driver, f"cancel g; is g preempting; fail stuck; performs {after}; is g preempted")
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(5)
 @pytest.mark.slow
 @pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
 def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
@@ -271,6 +271,7 @@ def test_golog_domain_requests_are_served_with_programs():
     assert driver.core.cycle <= 8
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(("first", "end"), [("hold", "facts _hour(evening,now)"), ("wait", "cancel g")])
 def test_golog_domain_request_waits_during_a_search(first, end):

@@ -207,9 +207,9 @@ def test_heuristic_rules_of_a_step_grow_linearly():
         counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
         return [more - less for more, less in zip(*counts)]
 
-    small, large = cost(8, 4), cost(20, 10)
+    small, large = cost(8, 4), cost(12, 8)
     assert max(small) <= 18 * (8 + 4)
-    assert max(large) <= 18 * (20 + 10)
+    assert max(large) <= 18 * (12 + 8)
     assert large[-1] == large[-2]
 
 

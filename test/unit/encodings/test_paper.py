@@ -68,6 +68,7 @@ def test_paper_case_study_has_its_published_plans(mailbot):
     assert squeezed(mailbot.journal.updates[3]) == "#step4._request(goal(office3,office4,2),5).#endstep."
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 def test_paper_example_handles_cancels_and_failures(mailbot):
     """A package on the robot is returned, and a failed action is tried again."""
@@ -81,6 +82,7 @@ def test_paper_example_handles_cancels_and_failures(mailbot):
     )
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 def test_paper_example_serves_five_requests_with_capacity_three(mailbot):
     for number in range(1, 6):

@@ -70,7 +70,7 @@ SLOW_CORRECTIONS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(5)
 @pytest.mark.mostly_slow
 @scripts(CORRECTIONS, SLOW_CORRECTIONS)
 def test_correction_follows_the_script(row):

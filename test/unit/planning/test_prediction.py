@@ -127,6 +127,7 @@ def test_update_is_predicted_after_a_successful_step(update, expected):
 FAR = "far(t) :- at(-1,t). tired(t) :- far(t-1), _return(go,X,t).\n"
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("rule", "returns", "certain"),

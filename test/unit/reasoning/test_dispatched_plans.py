@@ -353,7 +353,7 @@ SLOW_JOINS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.mostly_slow
 @scripts(JOINS, SLOW_JOINS)
 def test_goals_join_without_a_search_for_the_next_action(row):

@@ -36,6 +36,7 @@ def program(request, name):
     return UNHANDLED[name][0] + request.param
 
 
+@pytest.mark.sampled(4)
 def test_failed_only_action_aborts_its_goal(program, name):
     """The action counts as not executed: another goal needs it."""
     why = f"since arm(cup) returned failed in cycle 1, {UNHANDLED[name][1]}"
@@ -49,6 +50,7 @@ def test_failed_only_action_aborts_its_goal(program, name):
     check_replay(driver.program, driver.journal)
 
 
+@pytest.mark.sampled(4)
 def test_failed_action_leaves_independent_goals_alone(program):
     driver, keys = Driver(program), {"cup": "a", "mug": "b", "jug": "c"}
     for number, (thing, key) in enumerate(keys.items()):
@@ -62,6 +64,7 @@ def test_failed_action_leaves_independent_goals_alone(program):
     assert len(done) == 2, "each was fetched"
 
 
+@pytest.mark.sampled(4)
 def test_action_that_never_returns_has_failed(program, name):
     play(
         Driver(program, CoreSettings(horizon_limit=8, action_timeout=10.0)),
@@ -75,11 +78,13 @@ def test_action_that_never_returns_has_failed(program, name):
 STOPPED = [(name, one) for name, (_, why) in UNHANDLED.items() for one in range(1, 6 if why == CONTRADICTS else 4)]
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize(("name", "number"), STOPPED)
 def test_failure_followed_by_a_stopped_search(program, number):
     play(FaultyDriver(program), f"goal a fetch(cup,1); leave {number}; fail failed; finish; is a aborted")
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("status", ["", STATUS])
 @pytest.mark.parametrize("rules", ["", FAILED + ":- failed(t).\n"])
 @pytest.mark.parametrize(

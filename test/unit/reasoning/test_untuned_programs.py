@@ -166,6 +166,7 @@ class Run:
         self._go_on()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("seed", sized([1], [1, 2, 3]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
@@ -176,6 +177,7 @@ def test_untuned_first_plan_has_no_superfluous_actions(kind, seed):
     assert all(plan), "no step is idle"
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("seed", sized([2], [1, 2, 4]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_untuned_shortest_plan_matches_plain_clingo(kind, seed):
@@ -186,6 +188,7 @@ def test_untuned_shortest_plan_matches_plain_clingo(kind, seed):
     assert len(plan) == len(reference(kind, seed))
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", sized([1], [1, 2]))
 @pytest.mark.parametrize("kind", sorted(SIZES))
@@ -202,6 +205,7 @@ def test_untuned_run_is_short_despite_cancels_and_failures(kind, seed):
     assert run.aborted == run.given_up
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "leaves_at"), [*((kind, 9) for kind in sorted(SIZES)), *((kind, 17) for kind in sized(["keys"], LONG))]
@@ -217,6 +221,7 @@ def test_untuned_run_is_short_after_search_stopped_by_cancel(kind, leaves_at):
     assert run.aborted == set()
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_untuned_improvement_continues_after_predicted_updates(kind):

@@ -290,6 +290,7 @@ def cut(text):
     return text if len(text) <= 30 else f"{text[:29]}…{text}"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("text", HOSTILE)
 def test_report_page_escapes_hostile_texts(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
@@ -497,6 +498,7 @@ def test_report_page_cut_labels_have_titles(opened):
         assert "" not in found
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "text", [*HOSTILE, "x" * 3000, "\u202eright to left\u202c", "\u0627\u0644\u0645\u0637\u0628\u062e", "two\nlines"]
 )

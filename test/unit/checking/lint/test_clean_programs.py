@@ -4,6 +4,7 @@ import lint_programs
 import pytest
 
 
+@pytest.mark.sampled(13)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", lint_programs.NAMES)
 def test_lint_has_no_findings_in_correct_programs(name):

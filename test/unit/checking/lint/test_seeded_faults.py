@@ -302,7 +302,10 @@ SEEDS = [
     ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "did you mean history?"),
 ]
 
-ONE_OF_EACH_KIND = {seed[4]: seed for seed in reversed(SEEDS)}.values()
+#: Faults in small programs, where a kind has some.
+ONE_OF_EACH_KIND = {
+    seed[4]: seed for seed in sorted(SEEDS, key=lambda seed: seed[0] in ("mailbot", "house"), reverse=True)
+}.values()
 
 
 def seeded(name, file, old, new):

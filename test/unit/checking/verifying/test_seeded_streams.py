@@ -166,7 +166,7 @@ def test_moves_fail_a_parameter_named_like_a_reason():
         assert {str(answer.value) for answer in tried} == values
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO, MACHINES], ids=["visits", "carries", "echo", "machines"])
 def test_verify_finds_sound_programs_clean(text):
@@ -174,7 +174,7 @@ def test_verify_finds_sound_programs_clean(text):
     assert verdict.clean, verdict.text()
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOUND)
 def test_verify_finds_sound_foreign_programs_clean(name):

@@ -187,6 +187,7 @@ ALWAYS, IF_A, NEVER = (
 )
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize(
     ("update", "now", "later"),
     [

@@ -74,6 +74,7 @@ def after_work(pool, seconds=0.1):
 # ---- Answers ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("case", [case for case in GOLDEN if len(case["updates"]) > 2], ids=lambda case: case["name"])
 def test_pool_answers_as_solver_in_this_process(case):
@@ -257,6 +258,7 @@ def test_stop_ends_search_and_keeps_its_update(options, patient):
         assert parse_atom("e(1)") in late.answers[0]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 def test_stop_ends_a_grounding_between_pieces(patient):
     with pool_of(IN_PIECES, **patient) as pool:

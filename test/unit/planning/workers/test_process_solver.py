@@ -89,6 +89,7 @@ def follow(script, here, pool, solver):
     return names.get(pool.pid, "new")
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("script", "active"),
@@ -209,6 +210,7 @@ def from_now_on(result):
     return replace(result, answers=answers, statistics={})
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("between", [signal.SIGCONT, signal.SIGKILL])
 def test_predicted_update_does_not_wait_for_the_worker(alone, between):

@@ -113,8 +113,8 @@ SCRIPT = [
 def test_control_programs_continue_after_core_kill():
     without = played(SCRIPT)
     assert set(without.world.ends.values()) == {GoalState.SUCCEEDED, GoalState.PREEMPTED}
-    play = played(SCRIPT, [(instant, 1000, False) for instant in (23, 31, 17, 29, 19)])
-    assert play.kills >= 3
+    play = played(SCRIPT, [(instant, 1000, False) for instant in (23, 31, 17)])
+    assert play.kills == 3
     assert {key: sorted(order) for key, order in play.world.order.items()} == {
         key: sorted(order) for key, order in without.world.order.items()
     }

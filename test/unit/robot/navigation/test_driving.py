@@ -48,6 +48,7 @@ def test_driving_reaches_the_labels_of_the_office():
     assert drive.collisions == []
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_driving_tours_random_goals_among_unmapped_obstacles(seed):
@@ -209,6 +210,7 @@ TIGHT = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TIGHT)
 def test_driving_passes_tight_places(name):
@@ -219,6 +221,7 @@ def test_driving_passes_tight_places(name):
     assert drive.collisions == []
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("resolution", "wide", "radius"),

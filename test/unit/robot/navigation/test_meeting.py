@@ -85,6 +85,7 @@ def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():
     assert not len(costmap.unmarked)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
 def test_meeting_robots_pass_each_other_despite_late_control(left, right):
