@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Texts of the program that clients receive about their goals, and goals that no rule of the program sees."""
+"""Texts of the program that clients receive about goals, goals that no rule of it sees, and a control program."""
 
 import os
 import subprocess
@@ -82,6 +82,14 @@ class CoreWords(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 3, done.stdout)
         self.assertIn("did you mean goal(office3,office2,1)?", done.stdout)
+
+    def test_control_program_is_executed(self):
+        hands = ManualInterfaces("suitcase/")
+        hands.at_once = True
+        hands.wait_for("/suitcase/rosoclingo")
+        Client("suitcase/rosoclingo").send("run(open_it,1)").ends_as(GoalStatus.SUCCEEDED)
+        latches = sorted(latch for fact in hands.seen for latch in ("left", "right") if f"flip({latch})" in fact)
+        self.assertEqual(latches, ["left", "right"], hands.seen)
 
 
 if __name__ == "__main__":
