@@ -59,7 +59,7 @@ def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped: Sto
     The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
     """
     step = snapshot.step
-    grounding = Grounding(program, replace(snapshot, horizon=step), step, stopped=stopped)
+    grounding = Grounding(program, replace(snapshot, horizon=step), step, stopped=stopped, settles=False)
     horizon = step + max(program.windows)
     actions = plan.fixing(grounding.actions(program.first_step, step))
     grounding.ask(Question(horizon, horizon, actions, believes=False), never)

@@ -10,8 +10,10 @@ from typing import (
     Iterable,
     Iterator,
     List,
+    Mapping,
     Optional,
     Sequence,
+    Set,
     Tuple,
 )
 from weakref import proxy
@@ -21,6 +23,7 @@ from clingo.propagator import Propagator
 
 from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING, STEPS, no_plan_from, steps_claimed
+from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
@@ -30,7 +33,7 @@ from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.definitions import HOLDS
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
 from rosoclingo.oclingo.solving.stepwise_grounding import Parts, StepwiseGrounding
-from rosoclingo.oclingo.solving.stream_state import StateItem, TimedStatement
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import PredictedReturns, predict
@@ -44,7 +47,7 @@ PIECE = 64
 PIECE_ATOMS = 50_000
 """Number of atoms to ground in one call of clingo, which no stop can interrupt."""
 
-CLOSED_PIECE = 16
+CLOSED_PIECE = 4
 """Number of steps with closed cycles that are grounded in one call of clingo."""
 
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
@@ -87,6 +90,7 @@ class Grounding(StepwiseGrounding):
         assumable: FrozenSet[clingo.Symbol] = frozenset(),
         stopped: Stop = never,
         predicts: bool = False,
+        settles: bool = True,
     ) -> None:
         """Ground ``program`` up to ``horizon``; raises SolverError if clingo rejects it, and StoppedError.
 
@@ -97,6 +101,8 @@ class Grounding(StepwiseGrounding):
             assumable: the facts that a question can disable.
             stopped: called between two pieces of steps; if it returns true, StoppedError is raised.
             predicts: whether replies contain predicted returns.
+            settles: whether facts of closed cycles that the snapshot lacks are false in this grounding. Otherwise, only
+                those of steps that are over.
 
         """
         super().__init__(program)
@@ -110,9 +116,10 @@ class Grounding(StepwiseGrounding):
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.statements: List[TimedStatement] = []
         self.ground_parts: List[Tuple[range, Parts]] = []
-        self._compacted = frozenset(atom for _, atom in self.past.shown)
+        self._settles, self._compacted = settles, frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
         self._asserted: FrozenSet[clingo.Symbol] = frozenset()
+        self._early: Set[TimedStatement] = set()  # the items that were added before the others
         self._assumables = Assumables(self._session, assumable)
         self._actions = ActionIndex(self._control, self._session, program.first_step, self._assumables.literals)
         self._ends = HorizonLiterals(self._control, self._session, self.horizon)
@@ -171,14 +178,15 @@ class Grounding(StepwiseGrounding):
         self._ends.define_window(guard, first, last)
 
     def _ground_closed(self, horizon: int, stopped: Stop) -> None:
-        """Ground the steps of closed cycles together with their actions, unless facts are assumable.
+        """Ground the steps of closed cycles together with their actions and facts, unless facts are assumable.
 
-        With known actions these steps are small: most of their atoms are facts or false.
+        With known actions and facts, these steps are small: most of their atoms are facts or false.
         """
         if not self.grows or self.assumable:
             return
         snapshot, first = self.snapshot, self.horizon + 1
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}
+        facts, kept = snapshot.permanent_facts(), self._undecided_heads()
         end = min(horizon, snapshot.closed_until(first))
         for last in pieces(first, end, lambda: CLOSED_PIECE, stopped, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
@@ -187,13 +195,36 @@ class Grounding(StepwiseGrounding):
                 self._actions.close_cycle(cycle, snapshot.closed[cycle])
                 for action in sorted(committed & snapshot.closed[cycle]):
                     self.definitions.add(TimedStatement(commitment(action), FOREVER, 0))
+            is_over = last < snapshot.keep_from
+            for atom in self._externals.between(steps[0], last, base=False) if is_over or self._settles else ():
+                if atom not in kept and atom.name != GUARD and self.definitions.is_undefined(atom):
+                    self._settle(atom, facts, is_over)
             self.simplify()
+
+    def _undecided_heads(self) -> Set[clingo.Symbol]:
+        """Return the atoms that other items than permanent facts concern."""
+        timed = self.snapshot.timed_statements
+        heads = {one.statement.head for one in timed if one.statement.body or one.lifetime != FOREVER}
+        closed = (one.atoms for one in self.snapshot.items if isinstance(one, ClosedHeads))
+        return {one for one in heads if one is not None}.union(*closed)
+
+    def _settle(self, atom: clingo.Symbol, facts: Mapping[clingo.Symbol, int], is_over: bool) -> None:
+        """Add an external of a closed cycle as a fact if it is among ``facts``; otherwise it is false.
+
+        It stays false for later updates as well if its step ``is_over``.
+        """
+        if atom in facts:
+            entry = TimedStatement(Statement(atom), FOREVER, facts[atom])
+            self._early.add(entry)
+            self._add(entry)
+        else:
+            self.definitions.close(atom, *([] if is_over else [self.snapshot.number]))
 
     # ---- Statements --------------------------------------------------------------------------------------------------
 
     def _add_items(self, items: Iterable[StateItem]) -> None:
         """Apply ``items`` of the snapshot; warn about ignored statements of its last update."""
-        for entry in self._apply(items):
+        for entry in self._apply(one for one in items if one not in self._early):
             head = entry.statement.head
             if entry.update != self.snapshot.number or head is None or head in self.open_facts:
                 continue

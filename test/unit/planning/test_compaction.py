@@ -284,10 +284,10 @@ CORRIDOR = """
 place(1..9). at(5,0).
 #external _request/2. #external _wet/2.
 #cumulative t.
-#external seen(t).
+#external seen(t). #external slipped(t).
 { _action_lib(go,(A-1;A+1),t) } 1 :- at(A,t-1), not _wet(A,t).
-gone(t) :- _action_lib(go,B,t).
-at(B,t) :- _action_lib(go,B,t), place(B).
+gone(t) :- _action_lib(go,B,t), not slipped(t).
+at(B,t) :- _action_lib(go,B,t), place(B), not slipped(t).
 at(A,t) :- at(A,t-1), not gone(t).
 been(A,t) :- at(A,t), seen(t).
 been(A,t) :- been(A,t-1).
@@ -332,7 +332,7 @@ def test_closed_steps_that_share_atoms_ground_together(text):
 
 CORRIDOR_PROGRAM = ReactiveProgram.from_text(CORRIDOR)
 FACTS_ABOUT_IT = st.one_of(
-    st.builds("seen({}).".format, st.integers(1, 9)),
+    st.builds("{}({}).".format, st.sampled_from(["seen", "slipped"]), st.integers(1, 9)),
     st.builds("_wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
     st.builds("_request({},{}).".format, st.integers(1, 9), st.integers(1, 9)),
     st.builds("p({0}) :- q({0}). q({0}).".format, st.integers(1, 3)),

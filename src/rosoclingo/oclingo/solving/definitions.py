@@ -138,9 +138,9 @@ class Definitions:
             cell = self._cells[head] = self._session.new_external()
             self._session.backend.add_rule([literal], [cell])
 
-    def close(self, atom: clingo.Symbol) -> None:
-        """Close ``atom`` to further definitions; without any definition it becomes false permanently."""
-        self._closed[atom] = _NEVER
+    def close(self, atom: clingo.Symbol, update: int = _NEVER) -> None:
+        """Close ``atom`` to the statements after ``update``, by default to all; without any definition it is false."""
+        self._closed[atom] = update
         known = self._control.symbolic_atoms[atom]
         if atom in self._cells:
             self._session.release(self._cells.pop(atom))
