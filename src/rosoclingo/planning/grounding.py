@@ -25,6 +25,7 @@ from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING, STEPS, no_plan_from, steps_claimed
 from rosoclingo.oclingo.program.parts import GUARD
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.program.update_reader import with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import Statement, commitment
@@ -178,15 +179,15 @@ class Grounding(StepwiseGrounding):
         self._ends.define_window(guard, first, last)
 
     def _ground_closed(self, horizon: int, stopped: Stop) -> None:
-        """Ground the steps of closed cycles together with their actions and facts, unless facts are assumable.
+        """Ground the steps of closed cycles together with their actions and facts.
 
         With known actions and facts, these steps are small: most of their atoms are facts or false.
         """
-        if not self.grows or self.assumable:
+        if not self.grows:
             return
         snapshot, first = self.snapshot, self.horizon + 1
-        committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment}
-        facts, kept = snapshot.permanent_facts(), self._undecided_heads()
+        committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment} - self.assumable
+        facts, kept = snapshot.permanent_facts(self.assumable), self._undecided_heads()
         end = min(horizon, snapshot.closed_until(first))
         for last in pieces(first, end, lambda: CLOSED_PIECE, stopped, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
@@ -202,11 +203,11 @@ class Grounding(StepwiseGrounding):
             self.simplify()
 
     def _undecided_heads(self) -> Set[clingo.Symbol]:
-        """Return the atoms that other items than permanent facts concern."""
+        """Return the atoms that other items than permanent facts concern, and the assumable facts."""
         timed = self.snapshot.timed_statements
         heads = {one.statement.head for one in timed if one.statement.body or one.lifetime != FOREVER}
         closed = (one.atoms for one in self.snapshot.items if isinstance(one, ClosedHeads))
-        return {one for one in heads if one is not None}.union(*closed)
+        return {one for one in heads if one is not None}.union(with_their_failures(self.assumable), *closed)
 
     def _settle(self, atom: clingo.Symbol, facts: Mapping[clingo.Symbol, int], is_over: bool) -> None:
         """Add an external of a closed cycle as a fact if it is among ``facts``; otherwise it is false.

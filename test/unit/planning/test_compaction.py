@@ -355,12 +355,17 @@ def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block,
         places.append(places[-1] + move)
     solver = walk(PlanSolver(CORRIDOR_PROGRAM, models=0), places, facts, bound=2)
     snapshot, found = replace(solver.snapshot, keep_from=over), []
-    # an assumable fact prevents separate grounding of closed steps
-    for assumable in (frozenset([parse_atom("unknown")]), frozenset()):
+    assumable = frozenset(snapshot.permanent_facts())
+    for closed, assumed in (
+        (None, frozenset()),
+        (Grounding._ground_closed, frozenset()),
+        (Grounding._ground_closed, assumable),
+    ):
         with mock.patch.object(grounding, "CLOSED_PIECE", block):
-            one = Grounding(CORRIDOR_PROGRAM, snapshot, snapshot.horizon, assumable)
+            with mock.patch.object(Grounding, "_ground_closed", closed or (lambda self, horizon: None)):
+                one = Grounding(CORRIDOR_PROGRAM, snapshot, snapshot.horizon, assumed)
         for last in (snapshot.horizon, snapshot.horizon + 1):
             if last > one.horizon:
                 one.grow_to(last)
             found.append(set(one.ask(Question(last, last, models=0), lambda: False).answers))
-    assert found[:2] == found[2:]
+    assert found[:2] == found[2:4] == found[4:]
