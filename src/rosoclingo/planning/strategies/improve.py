@@ -6,6 +6,7 @@ Each round asks for plans of several kinds:
 * The tasks of the plan in another *order*, see reorder.py. All actions are fixed; the solver checks the candidate.
 * A plan with a free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap
   by half.
+* A plan in which the *robots* that end last and one other are free, if actions can go on while others end.
 * If the program optimizes, a cheaper plan of the same length, with a free window of steps.
 
 If a round finds nothing, the next round has larger windows and a higher limit of conflicts. Shorter plans are trimmed,
@@ -17,7 +18,8 @@ from random import Random
 from typing import Iterator, Optional, Tuple
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.planning.history import Plan, cycle_of, delay
+from rosoclingo.oclingo.program.action_rules import RUNNING
+from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
 from rosoclingo.planning.strategies.trim import trimmed
@@ -131,6 +133,8 @@ class Improvement:
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._shorter_plans(2 * conflicts)
+        if self._runner.program.declares_external(RUNNING.name, RUNNING.arity):
+            yield from self._other_robots(2 * conflicts)
         first = self._step + 1
         while first <= self._plan.horizon:
             if self._length > 0:
@@ -149,6 +153,19 @@ class Improvement:
             last = self._begin + self._length // 2 if self._length >= 2 * SIZE else horizon - 1
             for advised in (True, False) if self._runner.program.advises and few else (True,):
                 yield Question(self._first, last, conflicts=conflicts, advised=advised)
+            shortened = self._plan.horizon < horizon
+
+    def _other_robots(self, conflicts: int) -> Iterator[Question]:
+        """Yield questions about plans in which the robots that end last and one other are free, while these help."""
+        shortened = True
+        while shortened and self._length > 0:
+            horizon, actions = self._plan.horizon, self._plan.rest(self._step + 1).actions
+            robots = {one: robots_of(one.arguments[0]) for one in actions}
+            last = {robot for one in actions if cycle_of(one) == self._plan.last_cycle for robot in robots[one]}
+            for other in sorted({robot for some in robots.values() for robot in some} - last):
+                if self._plan.horizon == horizon:
+                    given = [(one, True) for one in actions if {*last, other}.isdisjoint(robots[one])]
+                    yield Question(self._first, horizon - 1, given, conflicts=conflicts)
             shortened = self._plan.horizon < horizon
 
     def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
