@@ -56,7 +56,7 @@ class ExplainGoals(unittest.TestCase):
 
         (found,) = answers
         self.assertTrue(found.success, found.message)
-        self.assertIn("goal(office1,office4,7): No plan of at most 10 steps", found.message)
+        self.assertIn("goal(office1,office4,7): No plan of at most 20 steps", found.message)
         self.assertIn("delivery/rules.lp", found.message)
         self.assertIn("delivery/faults.lp", found.message)
         self.assertIn("asserted: _blocked(office2,office3,", found.message)
