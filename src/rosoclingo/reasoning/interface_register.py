@@ -57,17 +57,22 @@ class InterfaceRegister:
         self._since = {action: self._since.get(action, now) for action in awaited}
         self._reported &= set(awaited)
         there, silent = self._served(listening, speaking)
-        late = [action for action, since in self._since.items() if now - since >= GRACE]
-        missing = [action for action in late if action.interface_name not in there]
+        missing = [one for one in self._late(awaited, now) if one.interface_name not in there]
         found = [Missing(one, self._text(one, silent, bool(listening)), one not in self._reported) for one in missing]
         self._reported.update(missing)
         return found
 
-    def fault(self, actions: Sequence[Action], listening: AbstractSet[str], speaking: AbstractSet[str]) -> str:
-        """Return the message about the first of the actions that certainly has no interface now, empty for none."""
+    def fault(
+        self, awaited: Sequence[Action], listening: AbstractSet[str], speaking: AbstractSet[str], now: float
+    ) -> str:
+        """Return the message about the first late action that certainly has no interface now, empty for none."""
         there, silent = self._served(listening, speaking)
-        missing = [] if silent else [action for action in actions if action.interface_name not in there]
+        missing = [] if silent else [one for one in self._late(awaited, now) if one.interface_name not in there]
         return self._text(missing[0], silent, bool(listening)) if missing else ""
+
+    def _late(self, awaited: Sequence[Action], now: float) -> List[Action]:
+        """Return the actions that are awaited since :data:`GRACE` seconds; starting interfaces need some time."""
+        return [action for action in awaited if now - self._since.get(action, now) >= GRACE]
 
     def _served(self, listening: AbstractSet[str], speaking: AbstractSet[str]) -> Tuple[Set[str], List[str]]:
         """Return the interfaces of connected nodes, and the connected nodes without announcements."""

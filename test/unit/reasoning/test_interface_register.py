@@ -68,14 +68,16 @@ def test_register_counts_only_nodes_that_receive_and_answer():
     assert register(a="z k b m", b="y c a x").names == list("abckmxyz")
 
 
-def test_register_tells_at_once_which_action_certainly_waits():
+def test_register_reports_first_late_action_that_certainly_waits():
     found = register(a="move_base")
+    found.look([MOVE, HOLD], {"/a"}, {"/a"}, 0.0)
     text = "no interface 'hold' for _action_lib(hold,cup,3): the interfaces are move_base"
-    assert found.fault([MOVE, HOLD], {"/a"}, {"/a"}) == text
-    assert found.fault([MOVE], {"/a"}, {"/a"}) == ""
-    assert found.fault([MOVE], {"/recorder"}, {"/a"}).startswith("no interface 'move_base'"), "its node is deaf"
-    assert found.fault([HOLD], NODES, NODES) == "", "an unannounced node can have it"
-    assert found.fault([], set(), set()) == ""
+    assert found.fault([MOVE, HOLD], {"/a"}, {"/a"}, GRACE) == text
+    assert found.fault([MOVE, HOLD], {"/a"}, {"/a"}, GRACE / 2) == ""
+    assert found.fault([MOVE], {"/a"}, {"/a"}, GRACE) == ""
+    assert found.fault([MOVE], {"/recorder"}, {"/a"}, GRACE).startswith("no interface 'move_base'"), "its node is deaf"
+    assert found.fault([HOLD], NODES, NODES, GRACE) == "", "an unannounced node can have it"
+    assert found.fault([], set(), set(), GRACE) == ""
 
 
 def test_register_limits_the_names_of_a_node():

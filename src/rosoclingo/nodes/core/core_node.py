@@ -442,7 +442,8 @@ class CoreNode:
 
     def _missing(self) -> str:
         """Return a message if a running action has no interface, else an empty text."""
-        return self._register.fault(self._core.awaited, self._topics.listeners, self._facts.senders)
+        now = time.monotonic()
+        return self._register.fault(self._core.awaited, self._topics.listeners, self._facts.senders, now)
 
     def _describe(self) -> Findings:
         now = time.monotonic()
