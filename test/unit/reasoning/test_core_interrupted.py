@@ -88,7 +88,6 @@ FAULTS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(8)
 @scripts(FAULTS)
 def test_core_handles_faults_of_the_solver(row):
     text, script = row

@@ -122,7 +122,7 @@ def found(name):
     return program, verify(program, selection, VerifyLimits(events=max(cost, 1), steps=8), seconds=300)
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(16)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
 def test_verify_finds_a_defect_by_the_shortest_run(name):
@@ -149,7 +149,7 @@ def shows(kind, driver, finding):
     return not core.live_goals or bool(core.plan.remaining(core.cycle))
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(16)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
 def test_core_shows_the_defects_of_verify(name):

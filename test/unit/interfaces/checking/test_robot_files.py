@@ -8,6 +8,7 @@ import lint_programs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from workloads import sized
 
 from rosoclingo.checking import check_command
 from rosoclingo.interfaces.checking.robot_files import RobotFiles
@@ -196,9 +197,11 @@ SEEDS = [
 ]
 
 
-@pytest.mark.sampled(13)
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "file", "old", "new", "kind", "words"), lint_programs.marked(SEEDS))
+@pytest.mark.parametrize(
+    ("name", "file", "old", "new", "kind", "words"),
+    lint_programs.marked(sized(list({seed[4]: seed for seed in SEEDS}.values()), SEEDS)),
+)
 def test_robot_files_seeded_fault_is_found(name, file, old, new, kind, words, tmp_path, capsys):
     files = texts(name)
     files[file], (line, _) = lint_programs.seeded(files[file], old, new)
