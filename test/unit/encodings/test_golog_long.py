@@ -24,7 +24,7 @@ def program(length=1):
 
 
 #: Rounds of a program that never ends; each takes at least four cycles.
-ROUNDS = sized(8, 15)
+ROUNDS = sized(11, 15)
 
 
 @pytest.fixture(autouse=True)
