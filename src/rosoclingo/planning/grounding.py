@@ -144,7 +144,7 @@ class Grounding(StepwiseGrounding):
         self._ground_base()
         base_atoms = len(self._control.symbolic_atoms)
         self._add_past(self.past.facts)
-        self._ground_closed(horizon, stopped)
+        self._ground_closed(horizon)
         self._step_atoms = base_atoms  # an estimate, until an open step is grounded
         for last in pieces(self.horizon + 1, horizon, self.piece, stopped, snapshot.keep_from):
             self.ground_to(last)
@@ -178,10 +178,10 @@ class Grounding(StepwiseGrounding):
     def _limit(self, guard: int, first: int, last: int) -> None:
         self._ends.define_window(guard, first, last)
 
-    def _ground_closed(self, horizon: int, stopped: Stop) -> None:
+    def _ground_closed(self, horizon: int) -> None:
         """Ground the steps of closed cycles together with their actions and facts.
 
-        With known actions and facts, these steps are small: most of their atoms are facts or false.
+        With known actions and facts, these steps are small: most of their atoms are facts or false. No stop ends this.
         """
         if not self.grows:
             return
@@ -189,7 +189,7 @@ class Grounding(StepwiseGrounding):
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment} - self.assumable
         facts, kept = snapshot.permanent_facts(self.assumable), self._undecided_heads()
         end = min(horizon, snapshot.closed_until(first))
-        for last in pieces(first, end, lambda: CLOSED_PIECE, stopped, snapshot.keep_from):
+        for last in pieces(first, end, lambda: CLOSED_PIECE, never, snapshot.keep_from):
             steps = range(self.horizon + 1, last + 1)
             self.ground_to(last)
             for cycle in steps:
