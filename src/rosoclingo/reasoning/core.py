@@ -287,7 +287,7 @@ class Core(PersistentPart):
         While actions run, a cycle can end only if they can go on in the next one.
         """
         continues = self._withheld and self._mode is Mode.RUNNING and bool(self.plan.at(self._step))
-        arrived = self._feeder.pending or self._plan is None or continues
+        arrived = self._feeder.pending or (self._plan is None and not self._feeder.pauses) or continues
         if self.awaited:
             return self._execution.goes_on and (arrived or (self._unseen and not self._execution.has_dispatched))
         return arrived or bool(self._execution.under_way) or self._later()
@@ -379,7 +379,7 @@ class Core(PersistentPart):
 
     def _wait(self, state: State) -> State:
         """Send the update again later, with more time."""
-        self._plan, self._planner = TaskPlan(), self._planner.restarted()
+        self._plan, self._planner = None, self._planner.restarted()
         self.queue.give_time()
         self._feeder.wait(state.now)
         return state.settled

@@ -185,7 +185,12 @@ class InputFeeder(PersistentPart):
     @property
     def pending(self) -> bool:
         """Whether anything waits to be fed."""
-        return bool(self._requests or self._executed or self._facts) and self.arrivals != self._waits
+        return bool(self._requests or self._executed or self._facts) and not self.pauses
+
+    @property
+    def pauses(self) -> bool:
+        """Whether the next update waits for an arrival or for the end of a pause."""
+        return self.arrivals == self._waits
 
     @property
     def _due(self) -> Mapping[Symbol, Observation]:

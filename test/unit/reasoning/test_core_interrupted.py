@@ -54,6 +54,9 @@ FAULTS = {
         is b aborted; sends ..._request(cancel(2)...
         says b do(never,2) cannot be met: there is no plan of at most 8 steps; goal c do(run,3); finish
         is c succeeded"""),
+    "undecided search whose repetition is dropped": (ERRANDS, f"""
+        add a do(walk,1); fault undecided; once; fault dropped; run; fault none; wait {PAUSE - 1}; does
+        wait 1; finish; is a succeeded"""),
     "solver that drops everything": (ERRANDS, f"""
         goal a do(walk,1); fault dropped; succeed; patience 2; fault none; wait {PAUSE - 1}; all a; wait 1
         is a succeeded; does; goal b do(run,2); finish; is b succeeded"""),

@@ -153,7 +153,6 @@ def stream(limit, plan_time=None):
     return driver
 
 
-@pytest.mark.sampled(2)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("limit", "plan_time"),
@@ -171,7 +170,6 @@ def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("plan_time", [None, 0.0])
@@ -179,7 +177,6 @@ def test_far_goal_starves_without_a_limit(plan_time):
     assert "far" not in stream(0, plan_time).order()
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("goals", "plan_time"),
