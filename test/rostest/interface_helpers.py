@@ -15,6 +15,7 @@ import rosgraph
 import rospy
 from actionlib.action_server import ActionServer
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped
 from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import is_delivered_to
@@ -22,6 +23,15 @@ from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
 
 PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on the speed or load of the machine
+
+
+def base_at(x, y):
+    """Return the transform of a robot at a place of the map."""
+    transform = TransformStamped(child_frame_id="base_link")
+    transform.header.frame_id = "map"
+    transform.transform.translation.x, transform.transform.translation.y = x, y
+    transform.transform.rotation.w = 1.0
+    return transform
 
 
 def init_node(name):

@@ -17,7 +17,6 @@ import tf2_ros
 from actionlib.action_client import CommState
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from geometry_msgs.msg import TransformStamped
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverActionResult, InterfaceIO, PackageStates, PickupActionResult
 
@@ -26,7 +25,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, init_node, kill, wait_for_server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, base_at, init_node, kill, wait_for_server, wait_to_hear, wait_until
 
 SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "3")))
 OFFICES = ("office1", "office2", "office3", "office4")
@@ -44,11 +43,7 @@ class Base:
         self._server.start()
 
     def _stand(self, x, y):
-        transform = TransformStamped(child_frame_id="base_link")
-        transform.header.frame_id = "map"
-        transform.transform.translation.x, transform.transform.translation.y = x, y
-        transform.transform.rotation.w = 1.0
-        self._broadcaster.sendTransform(transform)
+        self._broadcaster.sendTransform(base_at(x, y))
 
     def _begin(self, handle):
         handle.set_accepted()

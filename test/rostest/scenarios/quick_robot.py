@@ -4,16 +4,21 @@
 It stands in for simulator, localization and move_base, which compute most of the time that a played scenario takes.
 """
 
+import sys
 import threading
+from pathlib import Path
 
 import rospy
 import tf2_ros
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import TransformStamped
 from move_base_msgs.msg import MoveBaseAction
 from rosgraph_msgs.msg import Clock
 from rosoclingo.srv import SetDoor, SetDoorResponse, SetSpeed, SetSpeedResponse
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import base_at
 
 TICK = 0.04  # seconds of wall time
 DRIVE = 6.0  # simulated seconds of each drive
@@ -53,11 +58,7 @@ class QuickRobot:
 
     def _stand(self, x, y):
         self._x = x
-        transform = TransformStamped(child_frame_id="base_link")
-        transform.header.frame_id = "map"
-        transform.transform.translation.x, transform.transform.translation.y = x, y
-        transform.transform.rotation.w = 1.0
-        self._broadcaster.sendTransform(transform)
+        self._broadcaster.sendTransform(base_at(x, y))
 
     def _begin(self, handle):
         with self._lock:
