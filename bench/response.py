@@ -1,25 +1,34 @@
 #!/usr/bin/env python3
 """Measures the core's response: from the last return on in_rosoclingo to the next action on out_rosoclingo.
 
-A master and two core nodes with the mailbot's program, one of them with a journal, run in turns. This process is the
-client and the interface layer: it returns each action at once, or after some seconds. So the figures contain only the
-core and ROS. The journal is in the folder for temporary files (TMPDIR).
+Three core nodes with the mailbot's program run in turns: one alone, one with a journal, and one with a page (rosrun
+rosoclingo web) and viewers. This process is the client and the interface layer: it returns each action at once, or
+after some seconds. So the figures contain only the core and ROS. The journal is in the folder for temporary files
+(TMPDIR). The viewers connect over WebSockets like browsers. They run in a separate process with the lowest priority,
+since real viewers run on other machines. In the end, each viewer must have received all goals.
 
 Run it in the built workspace: ./dev exec python3 bench/response.py
 """
 
+import asyncio
+import json
 import os
 import queue
 import random
+import subprocess
 import tempfile
+import threading
 import time
 
 import actionlib
 import rosgraph
 import rospy
 from figures import Figure, Option, main, quantiles
-from ros_system import System, wait_for
+from ros_system import PATIENCE, System, wait_for
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
+from std_msgs.msg import String
+from tornado.httpclient import HTTPRequest
+from tornado.websocket import websocket_connect
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import CORE
@@ -95,16 +104,66 @@ def compare(spaces, batches, count, seconds=0.0):
         yield Figure(f"a cycle of the core{words}", spent / len(responses), "ms of processor")
 
 
+def view(address, count):
+    """Act as ``count`` viewers; print for each ended goal of a viewer the number of goals that have ended for all."""
+    os.nice(19)
+    asyncio.run(_view(address, [set() for _ in range(count)]))
+
+
+async def _view(address, viewers):
+    async def look(ended):
+        request = HTTPRequest(address.replace("http:", "ws:") + "run", headers={"Origin": address.rstrip("/")})
+        socket = await websocket_connect(request, compression_options={})
+        while True:
+            text = await socket.read_message()
+            if text is None:
+                return
+            goals = json.loads(text).get("goals", ())
+            ended.update(key for key, goal in goals if goal["ended"] is not None)
+            print(len(set.intersection(*viewers)), flush=True)
+
+    await asyncio.gather(*map(look, viewers))
+
+
+class Viewers:
+    """The process of the viewers, and the number of goals that all of them have received as ended."""
+
+    def __init__(self, process):
+        self.messages = self.ended = 0
+        threading.Thread(target=self._read, args=(process.stdout,), daemon=True).start()
+
+    def _read(self, lines):
+        for line in lines:
+            self.messages, self.ended = self.messages + 1, int(line)
+
+
 def measure(options):
-    """Yield the figures of a core without a journal and of one with it."""
+    """Yield the figures of a core alone, of one with a journal, and of one with a page unless there are no viewers."""
     programs = [f"programs:={list(map(os.path.abspath, options.programs))}"] if options.programs else []
+    spaces = {"alone": "", "journal": " with a journal"}
+    if options.viewers:
+        spaces["page"] = f" with a page and {options.viewers} viewers"
     with tempfile.TemporaryDirectory() as folder, System() as system:
-        for space, journal in (("without", "none"), ("with", folder)):
+        for space in spaces:
+            journal = folder if space == "journal" else "none"
             system.launch("core.launch", f"journal:={journal}", *programs, namespace=space)
         rospy.init_node("bench_response", disable_signals=True)
-        yield from compare(
-            {"without": "", "with": " with a journal"}, options.batches, options.requests, options.seconds
-        )
+        figures = compare(spaces, options.batches, options.requests, options.seconds)
+        yield from watched(system, figures, options) if options.viewers else figures
+
+
+def watched(system, figures, options):
+    """Yield figures while viewers watch a page, and the processor time of the page's node."""
+    system.start("rosrun", "rosoclingo", "web", "_port:=0", "__name:=web", namespace="page")
+    address = rospy.wait_for_message("/page/web/address", String, PATIENCE).data
+    call = f"view({address!r}, {options.viewers})"
+    viewers = Viewers(system.call("response", call, stdout=subprocess.PIPE, text=True))
+    wait_for(lambda: viewers.messages >= options.viewers, "the run of each viewer")
+    before, goals = processor_time("/page/web"), (options.batches + 1) * options.requests
+    yield from figures
+    wait_for(lambda: viewers.ended >= goals, "all goals of each viewer")
+    spent = 1000 * (processor_time("/page/web") - before)
+    yield Figure("the page's node, a goal", spent / goals, "ms of processor")
 
 
 if __name__ == "__main__":
@@ -115,4 +174,5 @@ if __name__ == "__main__":
         requests=Option(3, "requests in a batch"),
         programs=Option([], "files of another program than the mailbot's"),
         seconds=Option(0.0, "duration of an action"),
+        viewers=Option(10, "number of the page's viewers; 0: no page"),
     )
