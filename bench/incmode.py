@@ -7,13 +7,15 @@ part get an external atom ``query(t)`` and so hold at the last step only. All re
 import re
 import time
 from itertools import count
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import clingo
-from clingo import ast
 
 _SIGNATURE = re.compile(r"#external\s+\w+/\d+\s*\.")
 """A declaration of a signature, which rosoclingo requires and clingo rejects."""
+
+_VOLATILE = re.compile(r"^#program volatile\(t\)\.$.*?(?=^#program|\Z)", re.MULTILINE | re.DOTALL)
+"""A volatile part, of which each constraint begins a line."""
 
 
 def shortest_plan(
@@ -25,7 +27,11 @@ def shortest_plan(
     """
     end = time.process_time() + seconds
     control = clingo.Control(["--warn=none"])
-    _load(control, [*texts, "#program base.\n" + "".join(f"_request({goal},2).\n" for goal in goals)])
+    for text in texts:
+        queried = _VOLATILE.sub(lambda part: re.sub(r"(?m)^:- ", ":- query(t), ", part[0]), _SIGNATURE.sub("", text))
+        control.add("base", [], queried)
+    control.add("volatile", ["t"], "#external query(t).")
+    control.add("base", [], "".join(f"_request({goal},2).\n" for goal in goals))
     control.ground([("base", [])])
     for step in count(1):
         last = clingo.Number(step)
@@ -39,40 +45,9 @@ def shortest_plan(
                     return None
             model = handle.model()
             if model is not None:
-                return _plan(model.symbols(atoms=True), step)
+                actions = sorted(atom.arguments for atom in model.symbols(atoms=True) if atom.match("_action_lib", 3))
+                steps = range(1, step + 1)
+                return [[(str(a), str(p)) for a, p, when in actions if when.number == one] for one in steps]
         if time.process_time() > end:
             return None
     return None
-
-
-def _load(control: clingo.Control, texts: Sequence[str]) -> None:
-    """Add programs to ``control``, with ``query(t)`` in the constraints of the volatile part."""
-    queries: List[ast.AST] = []
-    ast.parse_string(":- query(t).", lambda one: queries.extend(one.body if one.ast_type is ast.ASTType.Rule else ()))
-    control.add("volatile", ["t"], "#external query(t).")
-    with ast.ProgramBuilder(control) as builder:
-        for text in texts:
-            part = "base"
-
-            def add(statement: ast.AST) -> None:
-                nonlocal part
-                if statement.ast_type is ast.ASTType.Program:
-                    part = statement.name
-                elif part == "volatile" and statement.ast_type is ast.ASTType.Rule and _is_constraint(statement):
-                    statement = statement.update(body=[*statement.body, *queries])
-                builder.add(statement)
-
-            ast.parse_string(_SIGNATURE.sub("", text), add)
-
-
-def _is_constraint(rule: ast.AST) -> bool:
-    return str(rule.head) == "#false"
-
-
-def _plan(atoms: Sequence[clingo.Symbol], last: int) -> List[List[Tuple[str, str]]]:
-    steps: Dict[int, List[Tuple[str, str]]] = {step: [] for step in range(1, last + 1)}
-    for atom in sorted(atoms):
-        if atom.match("_action_lib", 3):
-            interface, parameter, step = atom.arguments
-            steps[step.number].append((str(interface), str(parameter)))
-    return list(steps.values())
