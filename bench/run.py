@@ -64,7 +64,7 @@ class Checkout(NamedTuple):
             raise BenchError("\n    ".join([f"exit code {code}; complete output: {log}", *last]))
         try:
             return figures.read(result)
-        except (OSError, figures.FigureError) as error:
+        except (OSError, TypeError, ValueError) as error:
             raise BenchError(f"it wrote no figures: {error}") from error
 
 
