@@ -191,14 +191,6 @@ def test_compaction_closes_externals_that_later_steps_declare():
     assert (first(solver), atoms(result)) == (4, [])
 
 
-def test_compaction_keeps_decided_choices_of_base():
-    solver = planner_of("#base. { a }. #cumulative t. c(t) :- not a. :- c(t-1). #volatile t.", models=0)
-    for step in (3, 4, 5):
-        assert play(solver, f"#step {step} : 0. #over {step}.").answers == (frozenset([parse_atom("a")]),)
-    assert first(solver) > 2
-    assert len(list(solver.snapshot.permanent)) == 1
-
-
 def test_compaction_shows_atoms_of_ten_steps_once():
     solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
     shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)

@@ -175,13 +175,6 @@ def test_find_mus_asks_few_questions_among_many(number, conflict, tells, most):
     assert len(asked) <= most
 
 
-@pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
-def test_empty_set_can_be_unsatisfiable(find):
-    for things in (THINGS, ()):
-        assert find(things, lambda things: Witness(False, things)).items == ()
-        assert find(things, lambda things: Witness(False, frozenset())).items == ()
-
-
 def test_find_diagnosis_returns_none_if_nothing_helps():
     assert find_diagnosis(THINGS, yes_or_no(lambda things: False)) is None
     assert find_diagnosis(THINGS, yes_or_no(lambda things: True)) == {}

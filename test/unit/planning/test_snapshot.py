@@ -10,7 +10,7 @@ from rosoclingo.oclingo import ReactiveProgram, commitment, fact, parse_atom, pa
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Term
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, TimedStatement
 from rosoclingo.planning.snapshot import Past, Snapshot
-from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message, symbol_list, symbols_to_text
+from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
 
 A, B, GO = (parse_atom(text) for text in ("_seen(a)", '_said("a, b",f("c"))', "_action_lib(go,x,1)"))
 RULE, DENIAL = parse_update(f"_seen(c) :- {B}, not _seen(a). :- _seen(a). #endstep.").items
@@ -48,11 +48,6 @@ def test_snapshot_message_keeps_every_value(snapshot):
     assert not [name for name in names if getattr(SNAPSHOT, name) == getattr(Snapshot(), name)], "values to lose"
 
 
-def test_symbols_text_keeps_their_order():
-    for symbols in ([GO, B, A], []):
-        assert symbol_list(symbols_to_text(symbols)) == symbols
-
-
 def test_snapshot_without_facts_keeps_only_their_shown_atoms():
     found = SNAPSHOT.without_facts(frozenset([A, GO]))
     assert list(found.permanent) == [fact(B), RULE]
@@ -62,10 +57,6 @@ def test_snapshot_without_facts_keeps_only_their_shown_atoms():
     assert found.past == Past(2, frozenset([B]), ((1, A), (0, B)))
     assert SNAPSHOT.without_facts(frozenset()) == SNAPSHOT
     assert replace(SNAPSHOT, past=None).without_facts(frozenset([A])).past is None
-
-
-def test_snapshot_size_counts_statements_and_atoms():
-    assert SNAPSHOT.size == 4 + 3 + 4 + 2
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from stream_logs import stream_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.why_not import ranges
 from rosoclingo.planning.minimal_sets import UndecidedError
 
 PROGRAM = """\
@@ -114,11 +113,6 @@ def test_explanation_is_incomplete_after_a_stop():
     assert not half.complete
     assert {one.rule.line for one in half.rules} >= {14, 21}
     assert "incomplete: out of time" in half.text()
-
-
-def test_ranges_join_consecutive_step_numbers():
-    assert ranges([1, 2, 3, 5, 7, 8]) == "1-3, 5, 7-8"
-    assert ranges([]) == ""
 
 
 @pytest.mark.slow

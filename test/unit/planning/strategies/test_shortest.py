@@ -1,6 +1,5 @@
 """The strategy for shortest plans: the horizons of its questions, and when it grounds more steps."""
 
-import pytest
 from fake_grounding import FakeGrounding
 from hypothesis import given
 from hypothesis import strategies as st
@@ -35,18 +34,3 @@ def test_shortest_finds_the_least_horizon_unless_stopped(answers, world, hint, b
     assert not reply.satisfiable or (models == 1 and not world["optimizes"]) or f"{least}..{least}!" in asked
     for halts in range(asked.count("..")):
         assert run(answers, models, hint, block, **world, halts=halts, cut=True)[0] is None
-
-
-@pytest.mark.parametrize(
-    ("answers", "options", "asked"),
-    [
-        ([3, 4], {"block": 3}, "1..1 >4 2..4 2..3 2..2"),
-        ([4], {"block": 8, "most": 4}, "1..1 >4 2..4 2..3"),
-        ([2, 4], {"hint": 4, "horizon": 5}, "1..3 1..1"),
-        ([5], {"hint": 4, "horizon": 5}, "1..3 4..4 5..5"),
-        ([2, 5], {"hint": 1, "horizon": 5}, "1..1 2..5 2..4"),
-        ([], {"hint": 2, "horizon": 4, "dead": 2}, "1..1 2..2"),
-    ],
-)
-def test_shortest_needs_only_a_few_questions(answers, options, asked):
-    assert run(answers, **options)[1] == asked

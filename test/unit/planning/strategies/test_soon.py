@@ -70,51 +70,6 @@ def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
         assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
-ADVISED = {"hard": {9: 150}, "advises": True, "most": 20}
-
-
-@pytest.mark.usefixtures("plain")
-@pytest.mark.parametrize(
-    ("plans", "options", "settings", "asked"),
-    [
-        # grow by half (a quarter with heuristics), at least one block; also ask the lowest horizon alone
-        ({50: [50]}, {"horizon": 41, "hard": {1: 150}}, {}, "1..41/100 1..1/100 >61 1..61/100"),
-        ({20: [20]}, ADVISED, {}, "1..1/100 >9 2..9/100 2..9/100? >17 2..17/100 2..9/200? 10..17/200? >20 18..20/200"),
-        # ground a quarter more steps than the program claims, in pieces
-        ({22: [22]}, {"claims": 12}, {}, "1..1/100 >15 2..15/100 >23 16..23/100"),
-        # search each horizon before growing if further steps can exclude answers
-        ({13: [13]}, {"horizon": 11, "hard": {12: 150}, "claims": 99}, {"block": 1}, "1..11 >12 12..12 >13 13..13"),
-        # no plan
-        ({50: [50]}, {"horizon": 2, "dead": 2}, {"last": plan(1, 1)}, "1..1+1-2/100 2..2+2-1/100 1..2+1/100"),
-        # the rest of the last plan, unchanged or one step later; then with more actions; then any plan
-        ({3: [2, 3]}, {"step": 2, "horizon": 5}, {"last": plan(4, 1, 2, 3)}, "3..4+2+3-4-5/100"),
-        ({4: [2, 3, 4]}, {"step": 2, "horizon": 3}, {"last": plan(4, 1, 2, 3, 4)}, ">4 4..4+2+3+4/100"),
-        ({4: [2, 4]}, {"step": 2, "horizon": 4}, {"last": plan(2, 1, 2)}, "2..2+2-3/100 3..3+2+3-4/100 2..4+2/100"),
-        (
-            {3: [3]},
-            {"step": 2, "horizon": 3, "most": 3},
-            {"last": plan(4, 1, 2, 3, 4)},
-            "2..3+2+3+4/100 2..3+2+3+4+5/100 2..3",
-        ),
-    ],
-)
-def test_soon_increases_the_effort_of_its_questions(plans, options, settings, asked):
-    assert run(plans, options, **settings)[2] == asked
-
-
-@pytest.mark.parametrize(
-    ("steps", "needed", "asked"),
-    [
-        (20, 9999, "1..20/1000 1..20/1000? >28 1..28/714 1..20/2000? >36 1..36/555 1..20/4000?"),
-        (101, 9999, "1..101/198 >126 1..126/158"),
-        (300, 99, "1..300/100"),
-    ],
-)
-def test_soon_spends_more_conflicts_on_fewer_steps(steps, needed, asked):
-    options = {"horizon": steps, "hard": {1: needed}, "most": 600, "advises": True, "halts": asked.count("/")}
-    assert run({}, options) == (None, None, asked)
-
-
 @pytest.mark.parametrize(
     ("last", "predicted", "share"),
     [
@@ -166,30 +121,27 @@ at(R,P,t) :- at(R,P,t-1), not done(R,Q,t) : Q = 1..6.
 """
 
 
-def test_soon_delays_only_the_robot_whose_action_goes_on(searches):
-    solver = PlanSolver(ReactiveProgram.from_text(CARTS), plan_time=0.0)
+def late_plan(searches, rule=""):
+    """Return the actions planned after cycle 1, in which the second cart is late."""
+    solver = PlanSolver(ReactiveProgram.from_text(CARTS + rule), plan_time=0.0)
     solver.update(parse_update("#step 1. _request(go,1). #endstep."))
     searches.clear()
     sent = ":- not _action_lib(go(r1),1,1). :- not _action_lib(go(r2),1,1)."
     news = "_running(go(r2),1,1). _return(go(r1),1,1)."
     result = solver.update(parse_update(f"#step 2. #closed 1. {sent} {news} #endstep."))
-    found = sorted(str(one) for one in Plan.from_result(result).actions if cycle_of(one) > 1)
+    return sorted(str(one) for one in Plan.from_result(result).actions if cycle_of(one) > 1)
+
+
+def test_soon_delays_only_the_robot_whose_action_goes_on(searches):
     first = [f"_action_lib(go(r1),{place},{place})" for place in (2, 3, 4)]
-    assert found == [*first, *(f"_action_lib(go(r2),{place},{place + 1})" for place in (1, 2, 3, 4))]
+    second = [f"_action_lib(go(r2),{place},{place + 1})" for place in (1, 2, 3, 4)]
+    assert late_plan(searches) == first + second
     assert searches == [(5, 5), (2, 5)], "the delayed plan, and its trimming"
 
 
 def test_soon_delays_other_robots_if_one_is_in_the_way(searches):
     """The delayed plan breaks the last rule of the program."""
-    solver = PlanSolver(
-        ReactiveProgram.from_text(f"{CARTS} #program cumulative(t). :- at(r1,3,t), at(r2,2,t)."), plan_time=0.0
-    )
-    solver.update(parse_update("#step 1. _request(go,1). #endstep."))
-    searches.clear()
-    sent = ":- not _action_lib(go(r1),1,1). :- not _action_lib(go(r2),1,1)."
-    news = "_running(go(r2),1,1). _return(go(r1),1,1)."
-    result = solver.update(parse_update(f"#step 2. #closed 1. {sent} {news} #endstep."))
-    found = [str(one) for one in Plan.from_result(result).actions if cycle_of(one) > 1]
+    found = late_plan(searches, "#program cumulative(t). :- at(r1,3,t), at(r2,2,t).")
     assert len(found) == 7, "each cart goes on"
     assert searches[:2] == [(5, 5), (2, 5 + LATER)], "the delayed plan, and any later one"
 

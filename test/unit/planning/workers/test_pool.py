@@ -192,19 +192,6 @@ MUCH = 2**40
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("growth", "workers"), [(MUCH, 1), (-MUCH, 4)])
-def test_grown_worker_is_replaced_between_two_searches(growth, workers):
-    """clingo never frees symbols: only the end of the process returns the memory."""
-    with pool_of(ENDLESS, **PLANS, horizon_limit=100, log_limit=0, growth=growth) as pool:
-        solver, twin, pids = ProcessSolver(pool), PlanSolver(ReactiveProgram.from_text(ENDLESS)), []
-        for step in range(1, 5):
-            text = f"{step} : 0. e({step})."
-            assert answers(fed(solver, text)) == answers(fed(twin, text))
-            pids.append(pool.pid)
-    assert len(set(pids)) == workers
-
-
-@pytest.mark.slow
 def test_worker_that_has_grown_by_half_is_replaced():
     many = "#show.\n#external big/1.\n#cumulative t.\nn(X) :- big(B), X = 1..B, t = 1.\n"
     with pool_of(many, **PLANS) as pool:
