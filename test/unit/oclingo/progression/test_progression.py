@@ -24,6 +24,7 @@ from rosoclingo.oclingo import (
     parse_updates,
 )
 from rosoclingo.oclingo.progression.terms import MAX_DEPTH
+from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Reset, Withdraw
 
 IDENTIFIERS = st.from_regex(r"_{0,2}[a-z][A-Za-z0-9_']{0,5}", fullmatch=True).filter(lambda name: name != "not")
 LEAVES = st.one_of(
@@ -51,6 +52,10 @@ ITEMS = st.one_of(
     st.builds(Assert, TERMS),
     st.builds(Retract, TERMS),
     st.builds(Forget, NUMBERS, NUMBERS),
+    st.builds(CloseCycles, NUMBERS, NUMBERS),
+    st.builds(Expire, NUMBERS),
+    st.builds(Withdraw, ATOMS),
+    st.just(Reset()),
 )
 UPDATES = st.one_of(
     st.builds(StreamUpdate, NUMBERS, st.one_of(st.none(), NUMBERS), st.lists(ITEMS, max_size=5).map(tuple)),
