@@ -57,13 +57,9 @@ def test_labels_error_lists_the_known_labels():
         ({"a": 3}, r"labels.a: must be {x, y, yaw} or \[x, y, yaw\], not 3"),
         ({"a": [1, 2, 3, 4]}, r"labels.a: must be \[x, y\] or \[x, y, yaw\] in finite numbers, not \[1, 2, 3, 4\]"),
         ({"a": {"x": 1}}, "labels.a.y: is missing: give a finite number"),
-        ({"a": {"x": 1, "y": 2, "z": 3}}, "labels.a: unknown key 'z'; keys are x, y, yaw, frame, title"),
         ({"a": {"x": 1, "y": 2, "yav": 3}}, r"labels.a: unknown key 'yav' \(did you mean yaw\?\)"),
-        ({"a": {"x": "1", "y": 2}}, "labels.a.x: must be a finite number, not '1'"),
-        ({"a": {"x": True, "y": 2}}, "labels.a.x: must be a finite number"),
         ({"a": [math.nan, 2]}, "labels.a: must be .* in finite numbers, not .nan"),
         ({"a": {"x": 1, "y": 2, "frame": ""}}, "labels.a.frame: must be the name of a tf frame"),
-        ({"a": {"x": 1, "y": 2, "frame": 3}}, "labels.a.frame: must be .*, not 3"),
         ({"Office 1": [1, 2]}, "labels.Office 1: the name is not an ASP term: write it in lower case without"),
     ],
 )

@@ -108,12 +108,8 @@ def test_grid_refuses_an_image_too_large(tmp_path):
     ("text", "words"),
     [
         (INFO.replace("resolution: 0.1", "resolution: 0"), "resolution"),
-        (INFO.replace("resolution: 0.1", "resolution: fine"), "resolution"),
-        (INFO.replace("image: map.pgm", ""), "image"),
         (INFO.replace("map.pgm", "other.pgm"), "other.pgm"),
         (INFO.replace("0.65", "1.5"), "occupied_thresh"),
-        (INFO.replace("free_thresh: 0.196", ""), "free_thresh"),
-        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0]"), "origin"),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 2.0, 0.5]"), "rotated"),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, .nan, 0]"), "origin: must be .* nan"),
         (INFO + "mode: fancy\n", "mode"),
@@ -124,14 +120,12 @@ def test_grid_refuses_an_image_too_large(tmp_path):
             INFO.replace("resolution: 0.1", "resolution: 1e40"),
             "resolution: must be a number from 1e-06 to 1e[+]06, not ",
         ),
-        (INFO.replace("resolution: 0.1", "resolution: nan"), "resolution: must be .*, not 'nan'"),
         (
             INFO.replace("resolution: 0.1", "resolution: 1" + 400 * "0"),
             "resolution: must be a number from 1e-06 to 1e[+]06, not ",
         ),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 1.0e300, 0]"), "origin: x and y must be within 1e[+]07 m"),
         (INFO.replace("map.pgm", '"a\\0b"'), "image"),
-        (INFO.replace("map.pgm", "a" * 300), "image"),
     ],
 )
 def test_grid_refusal_names_fault_of_bad_map(tmp_path, text, words):
