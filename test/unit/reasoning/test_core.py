@@ -3,12 +3,10 @@
 import re
 
 import pytest
-from core_driver import ERRANDS, Driver
+from core_driver import ERRANDS, DeferringSolver, Driver
 from core_programs import DARK
 from core_scripts import play, scripts
 
-from rosoclingo.oclingo import SolveOutcome, SolveResult, parse_atom
-from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.reasoning.events import GoalProgress
 from rosoclingo.reasoning.keywords import LONGEST
 from rosoclingo.reasoning.returns import MOST_FACTS
@@ -53,28 +51,6 @@ done(I,t) :- _request(cancel(I),t).
 """
 
 DECLARED = "#external _request(do(walk,1..2),1..20). #external _request(cancel(1..2),1..20)."
-
-
-class Procrastinator:
-    """A solver whose plan always begins in the next cycle."""
-
-    def __init__(self):
-        self.log = History()
-
-    def update(self, update, stopped=None):
-        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 1))
-        later = parse_atom(f"_action_lib(go,1,{update.step + 1})")
-        seconds = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
-        plan = (frozenset([later]),)
-        return SolveResult(SolveOutcome.SATISFIABLE, plan, update.step + 1, update.step, statistics=seconds)
-
-    def restore(self, log):
-        self.log = log
-
-
-def deferring(solver, text=ERRANDS):
-    """Return a driver, not yet started, with its own solvers; a plan can be deferred for five cycles."""
-    return Driver(text, CoreSettings(horizon_limit=5), solver=lambda _program: solver(), start=False)
 
 
 #: The program, its settings, and the script.
@@ -137,7 +113,8 @@ def test_core_cycle_follows_the_script(row):
 
 
 def test_core_defers_a_plan_for_limited_cycles_after_arrival():
-    driver = deferring(Procrastinator).begin().facts("_seen(ball)")
+    driver = Driver(settings=CoreSettings(horizon_limit=5), solver=lambda _program: DeferringSolver(), start=False)
+    driver.begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
     assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
 

@@ -4,11 +4,10 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-from core_driver import Driver, FaultyDriver, Leaving
+from core_driver import DeferringSolver, Driver, FaultyDriver, Leaving
 from core_programs import DARK, DOOMED, IMPOSSIBLE, fetch
 from core_scripts import play
 from stream_replay import check_replay
-from test_core import Procrastinator
 
 from rosoclingo.oclingo import DroppedError, SolverError
 from rosoclingo.reasoning.core import Core
@@ -58,7 +57,7 @@ WAYS = {
     S.UNHANDLED: [lambda: Driver(fetch()).goal("a", "fetch(cup,1)").fail("failed")],
     S.PLAN: [
         lambda: Driver().goal("a", "do(walk,1)"),
-        lambda: Driver(solver=lambda _program: Procrastinator(), settings=CoreSettings(horizon_limit=3)),
+        lambda: Driver(solver=lambda _program: DeferringSolver(), settings=CoreSettings(horizon_limit=3)),
     ],
     S.NO_PLAN: [
         lambda: Driver().goal("a", "do(never,1)"),

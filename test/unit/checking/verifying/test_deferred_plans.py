@@ -2,7 +2,7 @@
 
 import pytest
 from clingo import Function
-from core_driver import Driver
+from core_driver import DeferringSolver, Driver
 from verified_programs import VISITS, edited, more
 
 from rosoclingo.checking.verifying.moves import GOAL, ActionEnd, Arrival, Move
@@ -10,30 +10,11 @@ from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, Veri
 from rosoclingo.checking.verifying.state_graph import StateNode, Step, circles
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.checking.verifying.verification import verify
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom
-from rosoclingo.planning.history import AcceptedUpdate, History
+from rosoclingo.oclingo import ReactiveProgram, parse_atom
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.settings import CoreSettings
 
 GO = ActionEnd(Action(Function("go"), Function("hall"), 1), Function("hall"))
-
-
-class DeferringSolver:
-    """A solver whose plan always begins in the next cycle."""
-
-    def __init__(self):
-        self.log = History()
-
-    def update(self, update, stopped=None):
-        """Answer with an action of the next cycle."""
-        self.log = self.log.with_entries(AcceptedUpdate(update, update.step + 1))
-        answer = frozenset([parse_atom(f"_action_lib(go,hall,{update.step + 1})")])
-        spent = {"ground": 0.0, "solve": 0.0, "needed": 0.0}
-        return SolveResult(SolveOutcome.SATISFIABLE, (answer,), update.step + 1, update.step, statistics=spent)
-
-    def restore(self, log):
-        """Continue from a history."""
-        self.log = log
 
 
 def test_trial_core_reports_a_deferred_plan():

@@ -1,10 +1,9 @@
-"""The delay after which facts affect actions, and the cycle that replaces ``now``."""
+"""The delay after which facts affect actions."""
 
 import pytest
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning.input_feeder import Clock
+from rosoclingo.oclingo import ReactiveProgram
 
 RULES = """
 #external _request/2. #external low/1. #external far/1. #external fire/2. #external wet/2. #external quiet/1.
@@ -69,21 +68,3 @@ def test_observations_of_shipped_programs_have_delay_one(files):
     program = shipped(*files)
     expected = {"_blocked": 1, "_opened": 1, "_seen": 1 if "house.lp" in files else None}
     assert {name: program.delay_of(name, 3) for name in expected} == expected
-
-
-def test_clock_dates_facts_by_their_delay():
-    clock = Clock(lambda name, arity: {"soon": 0, "later": 1}.get(name))
-    dated = [
-        str(clock.dated(parse_atom(text), 5)) for text in ("soon(a,now)", "later(now)", "odd(now)", "soon(a,3)", "now")
-    ]
-    assert dated == ["soon(a,5)", "later(4)", "odd(5)", "soon(a,3)", "now"]
-    assert str(clock.dated(parse_atom("later(now)"), 1)) == "later(1)"
-    early = [clock.is_too_early(parse_atom(text), 1) for text in ("soon(now)", "later(now)", "later(1)")]
-    assert early == [False, True, False]
-    assert [clock.cycle_of(parse_atom(text)) for text in ("soon(a,3)", "odd(3)", "soon(a,b)", "soon")] == [
-        3,
-        None,
-        None,
-        None,
-    ]
-    assert str(Clock(lambda name, arity: 1, first=0).dated(parse_atom("later(now)"), 1)) == "later(0)"

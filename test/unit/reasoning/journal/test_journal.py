@@ -1,17 +1,17 @@
 """The journal on disk: every state that was written is read back, truncated or not; damaged bytes are refused."""
 
 import os
-import resource
 import shutil
 import sqlite3
 import subprocess
 import sys
 import tempfile
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import ClassVar
 
 import pytest
+from full_disk import room_for
 from hypothesis import given
 from hypothesis import strategies as st
 from killed_core import files_of, put_files
@@ -206,22 +206,11 @@ def test_journal_of_a_killed_core_is_unlocked(tmp_path):
     folder.close()
 
 
-@contextmanager
-def full_disk():
-    """Limit the file size of this process: EFBIG stands for ENOSPC."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-
-
 def test_journal_reports_failing_disk_and_retries(folder):
     stale = Path(f"{folder.path}.stale")
     folder.put({"core": 1}, 0.0)
     assert folder.fault == ""
-    with full_disk():
+    with room_for(0):
         folder.put({"core": 2}, 1.0)
         assert folder.fault == f"the journal {folder.path} cannot be written: disk I/O error"
         assert folder.read() is None, "an outdated journal is set aside"
@@ -257,7 +246,7 @@ def test_journal_survives_disk_that_cannot_delete(folder, monkeypatch):
         raise OSError(30, os.strerror(30))
 
     monkeypatch.setattr(os, "replace", refuse)
-    with full_disk():
+    with room_for(0):
         folder.put({"core": 2}, 1.0)
     assert "disk I/O error" in folder.fault
 

@@ -1,12 +1,12 @@
 """Messages of the core leave once they are durable; each goal stays in the journal until its end is reported."""
 
 import json
-import resource
 import sqlite3
 from contextlib import closing
 
 import pytest
 from core_driver import ERRANDS, FORGETFUL, shortest
+from full_disk import room_for
 from kept_node import PROGRAM
 from workloads import sized
 
@@ -204,14 +204,10 @@ def test_keeper_reports_problems_of_the_journal(tmp_path):
     place, now = Journal(tmp_path, Header("run", "program")), [0.0]
     _, keeper, _ = kept(place, lambda: now[-1])
     assert keeper.fault == ""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
-    try:
+    with room_for(0):
         keeper.add("a", ClientGoal("do(walk,1)", (1, 2)))
         keeper.keep()
         assert "disk I/O error" in keeper.fault
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     now.append(folder.RETRY - 0.1)
     keeper.send()
     assert keeper.fault
