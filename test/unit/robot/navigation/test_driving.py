@@ -1,16 +1,16 @@
 """Navigation drives simulated robots: reachable goals are reached without contact, others end with a reason."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 from navigation_worlds import ERRATIC, LONG, Drive, room, simulation
+from tour_floors import small_floor
+from tours import Tour, Variant
 
 from rosoclingo.robot.navigation import (
     Costmap,
-    CostmapLimits,
     FollowOutcome,
     GridPlanner,
     NavigationError,
@@ -18,8 +18,6 @@ from rosoclingo.robot.navigation import (
     Navigator,
     NavigatorLimits,
     NavigatorState,
-    OccupancyGrid,
-    PlanOutcome,
     Pose2D,
     RolloutFollower,
     Velocity,
@@ -52,35 +50,12 @@ def test_driving_reaches_the_labels_of_the_office():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_driving_tours_random_goals_among_unmapped_obstacles(seed):
+    """The tours of bench/tours.py, on a small floor."""
     random = np.random.default_rng(seed)
-    walls = [
-        (x, y, x + random.uniform(0.2, 2.0), y + random.uniform(0.2, 2.0)) for x, y in random.uniform(1, 9, (6, 2))
-    ]
-    grid = room(10.0, 10.0, 0.05, walls)
-    roomy = Costmap(grid, CostmapLimits(inflation_radius=0.6))
-    free = np.argwhere(roomy.clearance * grid.resolution > 0.35)
-
-    def somewhere():
-        return Pose2D(*grid.centre(*free[random.integers(len(free))]), random.uniform(-3, 3))
-
-    start = somewhere()
-    obstacles = [ObstacleSpec(str(i), somewhere()[:2], radius=random.uniform(0.1, 0.3)) for i in range(6)]
-    obstacles = [o for o in obstacles if math.hypot(o.at[0] - start.x, o.at[1] - start.y) > 0.8]
-    drive = Drive(simulation(grid, start, obstacles=tuple(obstacles)))
-    rows, columns = np.indices(grid.shape)
-    x, y = (columns + 0.5) * grid.resolution, (rows + 0.5) * grid.resolution
-    # The gap has some margin: it must stay passable when noise enlarges the obstacles.
-    taken = np.any([np.hypot(x - o.at[0], y - o.at[1]) <= o.radius + 0.08 for o in obstacles], axis=0)
-    known = Costmap(OccupancyGrid(np.where(taken, 100, grid.cells).astype(np.int8), grid.resolution))
-    for _ in range(5):
-        goal = somewhere()
-        possible = GridPlanner().plan(known, drive.robot.pose, goal).outcome is PlanOutcome.FOUND
-        result = drive.to(goal)
-        if possible:
-            assert result.outcome is REACHED, result
-        if result.outcome is REACHED:
-            assert drive.robot.pose.distance(goal) < 0.2
-    assert drive.collisions == []
+    tour = Tour(small_floor(random), Variant(), random, 6, 0.0)
+    ends = [tour.go() for _ in range(5)]
+    assert not [end for end in ends if end.startswith(("MISSED", "NO END"))]
+    assert tour.drive.collisions == []
 
 
 @pytest.mark.parametrize(
