@@ -50,7 +50,7 @@ WORLDS = st.fixed_dictionaries(
         "step": st.integers(1, 2),
         "horizon": st.integers(2, 12),
         "most": st.integers(12, 30),
-        "hard": st.dictionaries(HORIZONS, st.integers(0, 900), max_size=3),
+        "hard": st.dictionaries(HORIZONS, st.integers(0, 90_000), max_size=3),
         "advises": st.booleans(),
         "claims": st.integers(0, 40),
     }
