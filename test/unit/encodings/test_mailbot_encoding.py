@@ -215,17 +215,6 @@ def test_mailbot_life_follows_the_script(row):
 
 @pytest.mark.sampled(1)
 @pytest.mark.slow
-@pytest.mark.parametrize(("corridors", "capacity"), [(ROW, 3), (RING, 1), (FLOOR, 3)])
-def test_mailbot_carries_at_most_its_capacity(corridors, capacity):
-    robot = Robot(6, corridors, 3, capacity)
-    for number in range(1, capacity + 3):
-        robot.request(number, number % 2 + 1, 6 - number % 3)
-    robot.finish()
-    assert {end for end, _ in robot.ends.values()} == {"succeeded"}
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.slow
 @pytest.mark.parametrize("reason", sized(["o4", "1"], ["o4", "1", '"o2"', "77"]))
 def test_mailbot_failure_value_can_name_something_else(reason):
     robot = Robot(6, ROW)

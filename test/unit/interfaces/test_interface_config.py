@@ -181,12 +181,6 @@ def test_interface_config_values_are_lists_of_constants(values, fault):
         reader.check(ConfigError)
 
 
-def test_interface_config_reports_all_faults_at_once():
-    with pytest.raises(ConfigError) as caught:
-        read_specs({"arm": {"timeout": -1}, "leg": 3})
-    assert [line.split(":")[0] for line in str(caught.value).splitlines()] == ["arm.type", "arm.timeout", "leg"]
-
-
 def test_interface_config_faulty_entry_is_checked_further():
     reader = Reader(
         {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}},

@@ -43,22 +43,6 @@ def memory(folder, run="first"):
     return found
 
 
-def test_memory_successor_knows_begun_and_answered_actions(tmp_path):
-    dead = memory(tmp_path)
-    dead.note_begun(PICKUP, "goal-1")
-    assert memory(tmp_path).recall(PICKUP) == Record("goal-1")
-    dead.note_answered(PICKUP, ANSWER)
-    assert memory(tmp_path).recall(PICKUP) == Record("goal-1", ANSWER)
-    assert memory(tmp_path).recall("_action_lib(pickup,1,4)") is None
-
-
-def test_memory_last_goal_of_an_action_counts(tmp_path):
-    dead = memory(tmp_path)
-    dead.note_begun(PICKUP, "goal-1")
-    dead.note_begun(PICKUP, "goal-2")
-    assert memory(tmp_path).recall(PICKUP) == Record("goal-2")
-
-
 def test_memory_of_another_run_is_separate(tmp_path):
     one = memory(tmp_path)
     one.note_answered(PICKUP, ANSWER)
