@@ -39,7 +39,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
 GOALS = 4  # number of goals for each robot that the core plans for at a time, as in fleet.launch
-IMPROVE_TIME = 0.2  # seconds of processor time to improve the plan between two events
+IMPROVE_SHARE = 0.5  # seconds of processor time for each simulated second to improve the plan between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
 RUNNING = "#external _running/3.\n"
@@ -113,10 +113,17 @@ class FleetCore(PooledCore):
                 self.now += 1.0
             self.core.poll(self.now)
             self.advance(self.now)
-            begin = self.process.cpu_time
-            while self.core.improve(lambda begin=begin: self.process.cpu_time - begin >= IMPROVE_TIME):
-                if self.process.cpu_time - begin >= IMPROVE_TIME:
-                    break
+            self._improve(min([one[0] for one in (*self._ends[:1], *arrivals[:1])], default=self.now))
+
+    def _improve(self, end):
+        """Improve the plan until the time of the next event."""
+        limit = self.process.cpu_time + IMPROVE_SHARE * (end - self.now)
+
+        def is_over():
+            return self.process.cpu_time >= limit
+
+        while not is_over() and self.core.improve(is_over):
+            pass
 
     def _rest(self):
         """Measure how long robots rest while a package waits at a place of its own."""

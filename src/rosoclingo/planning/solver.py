@@ -19,7 +19,7 @@ from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.compaction import compacted, end_of_past, first_open, recent_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint
+from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Reply, Stop, never
@@ -155,7 +155,7 @@ class PlanSolver(PlanningSolver):
             """Return whether to accept the best plan so far."""
             return stopped() or time.process_time() >= end
 
-        improvement = self._improvement = Improvement(first.reply.plan, runner.step - 1, first.least)
+        improvement = self._improving(first.reply.plan, runner.step - 1, first.least)
         reply, better = first.reply, first.reply  # type: Reply, Optional[Reply]
         while better is not None:
             reply, better = better, runner.run(improvement.run(runner), is_over)
@@ -241,9 +241,7 @@ class PlanSolver(PlanningSolver):
         if plan is None or plan.shortest or self.models != 1:
             return None
         halt = stopped or never
-        start, improvement, place = time.perf_counter(), self._improvement, (self.step, self.snapshot.min_horizon)
-        if improvement is None or not improvement.moves_to(plan, *place):
-            improvement = self._improvement = Improvement(plan, *place)
+        start, improvement = time.perf_counter(), self._improving(plan, self.step, self.snapshot.min_horizon)
         try:
             runner, returns = self._last_search(halt)
         except StoppedError:
@@ -264,6 +262,12 @@ class PlanSolver(PlanningSolver):
         result = SolveResult(SolveOutcome.SATISFIABLE, answers, reply.horizon, step, (), False, spent, False, predicted)
         self._adopt(result)
         return result
+
+    def _improving(self, plan: Plan, step: int, first: int) -> Improvement:
+        """Return the improvement of ``plan`` after ``step``: the last one if it can continue."""
+        if self._improvement is None or not self._improvement.moves_to(plan, step, first):
+            self._improvement = Improvement(plan, step, first)
+        return self._improvement
 
     def _last_search(self, halt: Stop) -> Tuple[StrategyRunner, FrozenSet[clingo.Symbol]]:
         """Return the grounding of the last search and the returns since then; reground unless all were predicted."""

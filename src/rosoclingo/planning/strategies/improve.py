@@ -9,20 +9,22 @@ Each round asks for plans of several kinds:
 * A plan in which the *robots* that end last and one other are free, if actions can go on while others end.
 * If the program optimizes, a cheaper plan of the same length, with a free window of steps.
 
-If a round finds nothing, the next round has larger windows and a higher limit of conflicts. Shorter plans are trimmed,
-see trim.py.
+If a round finds nothing, the next round has larger windows and a higher limit of conflicts. Each plan is trimmed before
+the next round of questions, see trim.py.
 """
 
 from contextlib import suppress
 from random import Random
-from typing import Iterator, Optional, Tuple
+from typing import Iterable, Iterator, Optional, Set, Tuple
+
+import clingo
 
 from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
-from rosoclingo.planning.strategies.trim import trimmed
+from rosoclingo.planning.strategies.trim import trim
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 SIZE = 16
@@ -51,17 +53,24 @@ class Improvement:
         self._runner: StrategyRunner  # the runner of the last call
         self._present: Assumptions  # fix the actions up to the present step as executed
         self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # an answer with the plan's cost, and its grounding
-        self._exhausted = False
+        self._exhausted = self._trimmed = False
         self._questions = self._rounds()
 
     def moves_to(self, plan: Plan, step: int, first: int) -> bool:
-        """Continue at a later ``step`` if ``plan`` is the same from there on; return whether it is."""
-        same = plan.horizon == self._plan.horizon and plan.rest(step).actions == self._plan.rest(step).actions
-        if same:
-            if self._exhausted and step > self._step:  # less of the plan remains, so questions are easier
-                self._exhausted, self._questions = False, self._rounds()
-            self._plan, self._step, self._first = plan, step, first
-        return same
+        """Continue at a later ``step`` if ``plan`` has no other tasks from there on; return whether this is so.
+
+        Its actions can be later than in the last plan, and some can be missing.
+        """
+        rest = plan.rest(step).actions
+        if not _tasks(rest) <= _tasks(self._plan.rest(self._step).actions):
+            return False
+        same = rest == self._plan.rest(step).actions
+        self._trimmed = self._trimmed and same
+        self._costed = self._costed if same else None
+        if self._exhausted and (step > self._step or not same):  # less of the plan remains, so questions are easier
+            self._exhausted, self._questions = False, self._rounds()
+        self._plan, self._step, self._first = plan, step, first
+        return True
 
     def run(self, runner: StrategyRunner) -> Strategy[Optional[Reply]]:
         """Return the first better plan, or the same plan with its cost; None after a stop, or if all is tried."""
@@ -71,25 +80,35 @@ class Improvement:
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
         with suppress(StoppedError):
             while not runner.is_stopped():
+                if not self._trimmed:
+                    found = yield from trim(self._plan, runner, self._step, self._first, self._present)
+                    self._trimmed = found is None
+                    if found is not None:
+                        return self._found(found)
                 question = next(self._questions, None)
                 if question is None:
                     self._exhausted = True
                     break
                 found = yield from (self._cheaper if question.best else self._shorter)(question)
                 if found is not None:
-                    self._plan = found.plan
-                    return found
+                    return self._found(found)
         return None
 
+    def _found(self, better: Reply) -> Reply:
+        """Continue with the plan of ``better``; return it."""
+        self._trimmed = self._trimmed and better.plan.actions == self._plan.actions
+        self._plan = better.plan
+        return better
+
     def _shorter(self, question: Question) -> Strategy[Optional[Reply]]:
-        """Return the trimmed plan if there is an answer to ``question``."""
+        """Return a shorter plan if there is an answer to ``question``."""
         last = min(question.last, self._plan.horizon - 1, self._runner.horizon)  # the grounding does not grow
         if last < self._begin:  # earlier questions of the round have excluded all shorter plans
             return None
         found = yield question._replace(last=last, given=[*self._present, *question.given])
         if found.satisfiable:
             self._costed = None
-            return (yield from trimmed(found, self._runner, self._step, self._first, self._present))
+            return found
         if found.satisfiable is False and not question.given:
             self._first = last + 1
         return None
@@ -199,7 +218,7 @@ class Improvement:
     @property
     def _is_optimal(self) -> bool:
         """Whether no plan of this length costs less."""
-        return self._costed is not None and self._costed[1].optimal
+        return self._costed is not None and self._costed[0] is self._runner and self._costed[1].optimal
 
     @property
     def _length(self) -> int:
@@ -210,3 +229,8 @@ class Improvement:
     def _begin(self) -> int:
         """The least horizon of a shorter plan."""
         return max(self._step, self._first)
+
+
+def _tasks(actions: Iterable[clingo.Symbol]) -> Set[Tuple[clingo.Symbol, clingo.Symbol]]:
+    """Return interfaces and parameters of ``actions``."""
+    return {(one.arguments[0], one.arguments[1]) for one in actions}

@@ -112,14 +112,14 @@ class FirstPlanSearch:
             if reply.satisfiable:
                 if plan is rest:
                     self._share *= 0.0 if self._succeeds and not plan.shortest else KEPT
-                if plan is rest and self._succeeds:
-                    return reply
+                if running or (plan is rest and self._succeeds):
+                    return reply  # plans are trimmed while actions run
                 return (yield from self._trimmed(reply))
         if running:
             end = self._end
             reply = yield from self._ask_later(plans[0])
             if reply.satisfiable:
-                return (yield from self._trimmed(reply))
+                return reply
             self._end = end  # other plans need no more steps
         self._rests = [] if running else [plan for plan in plans if plan.actions]
         return None

@@ -1,65 +1,83 @@
-"""Removes superfluous actions and idle steps from plans.
+"""Removes superfluous actions and idle steps from plans, and lets robots act as early as possible.
 
 An action is superfluous if the plan stays valid without it and the actions that depend on it (action elimination,
 Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions until there is none. It
 assumes all other actions false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
 plan no superfluous actions, unless several robots act: each of them could do what another one plans to do.
+
+If actions can go on while others end, a robot that has no action in the next step gets its next one then, if the plan
+stays valid. Such a delay does not make the plan longer, but it can when the actions of other robots take longer.
 """
 
 from contextlib import suppress
-from typing import Generator
+from typing import Generator, Iterator, Optional
 
 from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.action_rules import RUNNING
-from rosoclingo.planning.history import Plan, cycle_of, delay
-from rosoclingo.planning.question import Assumptions, Question, Reply
+from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
+from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
 CONFLICTS = 1000
 """Limit of conflicts for a question; most questions need few."""
 
-_Trimmed = Generator[Question, Reply, Reply]
+
+def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int) -> Generator[Question, Reply, Reply]:
+    """Return the plan ``found``, trimmed after ``step``.
+
+    ``first`` is the least possible horizon. A stop ends the trimming; the result is the best plan so far.
+    """
+    better: Optional[Reply] = found
+    with suppress(StoppedError):
+        while better is not None:
+            found = better
+            better = yield from trim(found.plan, runner, step, first)
+    return found
 
 
-def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()) -> _Trimmed:
-    """Return the plan ``found`` without superfluous actions and idle steps after ``step``.
+def trim(plan: Plan, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()) -> Strategy[Optional[Reply]]:
+    """Return a plan with fewer idle steps than ``plan`` after ``step``, fewer actions, or earlier ones; None for none.
 
-    ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``. A stop
-    ends the trimming; the result is the best plan so far.
+    ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``.
     """
     advises = runner.program.advises
-    trusted = advises and not runner.program.declares_external(RUNNING.name, RUNNING.arity)
+    several = runner.program.declares_external(RUNNING.name, RUNNING.arity)
+    trusted, rest = advises and not several, plan.rest(step + 1)
 
-    def question(plan: Plan, first: int, last: int, fewer: bool) -> Question:
+    def question(plan: Plan, first: int, last: int, fewer: bool = False) -> Question:
         """Return the question for ``plan``, or for a proper subset of its actions."""
         others = [] if trusted else [one for one in runner.actions(step + 1, last) if one not in plan.actions]
         given = [*present, *((one, False) for one in others), *((one, True) for one in plan.actions if not fewer)]
         lacking = tuple(plan.actions if fewer else ())
         return Question(first, last, given, lacking, conflicts=CONFLICTS, advised=not (advises and fewer))
 
-    def without_idling(found: Reply) -> _Trimmed:
-        """Return the plan without idle steps, or at least without idle steps at its end."""
-        plan = found.plan.rest(step + 1)
-        for shorter in dict.fromkeys((_without_idling(plan, step), plan)):
-            end = max(first, step, shorter.last_cycle)
-            if end < found.horizon:
-                sooner = yield question(shorter, end, end, fewer=False)
-                if sooner.satisfiable:
-                    return sooner
-        return found
-
-    with suppress(StoppedError):
-        found = yield from without_idling(found)  # questions about fewer steps are cheaper
-        fewer = found
-        while fewer.satisfiable and not trusted and found.plan.rest(step + 1).actions:
-            fewer = yield question(found.plan.rest(step + 1), first, found.horizon, fewer=True)
-            found = fewer if fewer.satisfiable else found
-        if not trusted:
-            found = yield from without_idling(found)
-    return found
+    for shorter in dict.fromkeys((_without_idling(rest, step), rest)):  # without idle steps, or only without the last
+        end = max(first, step, shorter.last_cycle)
+        if end < plan.horizon:
+            sooner = yield question(shorter, end, end)
+            if sooner.satisfiable:
+                return sooner
+    if trusted or not rest.actions:
+        return None
+    for earlier in _with_less_waiting(rest, step + 1) if several else ():
+        sooner = yield question(earlier, first, plan.horizon)
+        if sooner.satisfiable:
+            return sooner
+    fewer = yield question(rest, first, plan.horizon, fewer=True)
+    return fewer if fewer.satisfiable else None
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
     """Return ``plan``, which begins after ``step``, without idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(delay(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
+
+
+def _with_less_waiting(plan: Plan, begin: int) -> Iterator[Plan]:
+    """Yield ``plan`` with the actions of one robot earlier, which has no action at ``begin``: from then on, or by 1."""
+    robots = {one: robots_of(one.arguments[0]) for one in plan.actions}
+    for robot in sorted({robot for some in robots.values() for robot in some}):
+        own = [one for one in plan.actions if robot in robots[one]]
+        late = min(map(cycle_of, own)) - begin
+        for steps in sorted({late, min(late, 1)} - {0}, reverse=True):
+            yield plan._replace(actions=plan.actions.difference(own).union(delay(one, -steps) for one in own))

@@ -39,7 +39,8 @@ def trim(horizon, cycles, *plans, step=0, first=1, **options):
         # stops
         (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"halts": 0}, [1, 2, 3, 4], 4),
         (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"halts": 1}, [1, 2, 4], 4),
-        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"halts": 2}, [2, 4], 4),
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"halts": 2}, [1, 2, 4], 4),
+        (4, (1, 2, 3, 4), [(1, 2, 4), (2, 4), (1, 2)], {"halts": 3}, [2, 4], 4),
     ],
 )
 def test_trimmed_plans_have_no_superfluous_action(horizon, plan, plans, options, cycles, last):
