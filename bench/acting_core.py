@@ -66,6 +66,14 @@ class PooledCore:
         returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in ended)
         self.core.receive("bench", [*facts, *returns])
 
+    def prefetch(self, seconds):
+        """Wait until the standby worker has its answer or has used some ``seconds`` of processor time."""
+        if self.process.is_prefetching:
+            clock = processor_clock(self.process.standby_pid)
+            begin = time.clock_gettime(clock)
+            while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
+                time.sleep(0.01)
+
     def note(self, event):
         """Receive an event of the core."""
         if isinstance(event, GoalChanged) and event.outcome is not None:
@@ -172,11 +180,7 @@ class Robot(PooledCore):
             pass
         if self.waiting:
             self.core.prepare()
-        if self.process.is_prefetching:
-            clock = processor_clock(self.process.standby_pid)
-            begin = time.clock_gettime(clock)
-            while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
-                time.sleep(0.01)
+        self.prefetch(seconds)
         self.world.do([(one.interface_name, str(one.parameter)) for one in self.core.awaited])
         self.executed, self._now = self.executed + 1, self._now + seconds
         self._returned = time.perf_counter() if self.core.plan.after(self.core.cycle) else None

@@ -39,7 +39,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
 GOALS = 4  # number of goals for each robot that the core plans for at a time, as in fleet.launch
-IMPROVE_SHARE = 0.5  # seconds of processor time for each simulated second to improve the plan between two events
+SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
 RUNNING = "#external _running/3.\n"
@@ -116,14 +116,17 @@ class FleetCore(PooledCore):
             self._improve(min([one[0] for one in (*self._ends[:1], *arrivals[:1])], default=self.now))
 
     def _improve(self, end):
-        """Improve the plan until the time of the next event."""
-        limit = self.process.cpu_time + IMPROVE_SHARE * (end - self.now)
+        """Improve the plan until the time of the next event, and prefetch a plan with queued goals."""
+        seconds = SHARE * (end - self.now)
+        limit = self.process.cpu_time + seconds
 
         def is_over():
             return self.process.cpu_time >= limit
 
+        self.core.prepare()
         while not is_over() and self.core.improve(is_over):
             pass
+        self.prefetch(seconds)
 
     def _rest(self):
         """Measure how long robots rest while a package waits at a place of its own."""
