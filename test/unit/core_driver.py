@@ -13,7 +13,7 @@ from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import GoalChanged, GoalProgress, Problem
+from rosoclingo.reasoning.events import GoalChanged, GoalProgress
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 
@@ -184,7 +184,7 @@ class Driver:
     @property
     def problems(self) -> List[str]:
         """Return the problems that the core reported."""
-        return [event.message for event in self.journal.of(Problem)]
+        return self.journal.problems
 
     def states(self, key: str) -> List[str]:
         """Return the states of a goal so far."""

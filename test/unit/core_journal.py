@@ -4,7 +4,7 @@ from collections import deque
 from typing import Deque, List, Tuple, Type, TypeVar
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, ReturnAccepted, UpdateSent
+from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, Problem, UpdateSent
 
 _Kind = TypeVar("_Kind", bound=Event)
 
@@ -42,11 +42,6 @@ class Journal:
     def actions(self) -> List[str]:
         """Return all dispatched actions, as atoms."""
         return [str(action.atom) for event in self.of(ActionsDispatched) for action in event.actions]
-
-    @property
-    def returns(self) -> List[str]:
-        """Return all accepted returns, as atoms."""
-        return [str(event.atom) for event in self.of(ReturnAccepted)]
 
     @property
     def problems(self) -> List[str]:

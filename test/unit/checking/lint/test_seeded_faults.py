@@ -10,8 +10,7 @@ from workloads import sized
 from rosoclingo.checking.lint.kinds import KINDS
 from rosoclingo.oclingo.program.sources import Source
 
-RULES, FAULTS, STATUSES = "delivery/rules.lp", "delivery/faults.lp", "delivery/statuses.lp"
-REQUESTS = "delivery/requests.lp"
+RULES, FAULTS = "delivery/rules.lp", "delivery/faults.lp"
 
 #: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
