@@ -26,10 +26,9 @@ def objects(driver, first, last):
 
 
 @pytest.mark.slow
-def test_core_memory_does_not_grow_with_goals(request):
+def test_core_memory_does_not_grow_with_goals():
     driver = Driver(FORGETFUL, events=10)
     gc.freeze()  # the objects of other tests are neither counted nor visited
-    request.addfinalizer(gc.unfreeze)
     objects(driver, 0, GOALS)
     more = sized(20, GOALS)
     before = objects(driver, GOALS, GOALS + more)
