@@ -44,7 +44,7 @@ def run(script, *arguments, **environment):
     )
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_start_help_names_parameters_without_a_master(script):
@@ -108,7 +108,7 @@ def test_start_of_simulation_nodes_reports_missing_modules(script, module, packa
     assert line.endswith(f": rosdep install rosoclingo, or {sys.executable} -m pip install {package}")
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])

@@ -111,7 +111,7 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "words", "environment"),

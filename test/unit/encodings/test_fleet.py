@@ -17,7 +17,7 @@ from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
 
-RUNS = settings(max_examples=max(1, settings.default.max_examples // 3))
+RUNS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
 STAR = ((1, 2), (1, 3), (1, 4))
 
@@ -237,7 +237,7 @@ def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason
     assert (fleet.last(1), fleet.last(2)) == ("aborted", "succeeded")
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [None, "failed"])
 @pytest.mark.parametrize("back_first", [False, True])

@@ -59,7 +59,7 @@ SLOW_RUNS = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @scripts(RUNS, SLOW_RUNS)
 def test_golog_example_runs_as_published(row):
     name, script = row
@@ -73,7 +73,7 @@ def test_golog_coffee_reaches_all_who_want_some():
     assert " ".join(driver.rest()) in (" ".join(served), " ".join(reversed(served)))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("name", "request_", "found"),

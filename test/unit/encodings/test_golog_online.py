@@ -126,7 +126,7 @@ def core(text):
     return run(program(), f"goal g run(p{TEXTS[text]},1)")
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
@@ -216,7 +216,7 @@ SLOW_SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):

@@ -64,7 +64,7 @@ STORIES = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @scripts(STORIES)
 def test_golog_programs_are_sent_again(row):
@@ -168,7 +168,7 @@ class Play:
 
 
 @pytest.mark.slow
-@settings(max_examples=max(1, settings.default.max_examples // 2), phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@settings(max_examples=max(1, settings.default.max_examples // 3), phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(st.lists(HAPPENED, min_size=4, max_size=12))
 def test_golog_goals_end_and_the_core_continues(script):
     play = Play()

@@ -7,7 +7,7 @@ from golog_traces import encoded_traces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-RUNS = settings(max_examples=max(1, settings.default.max_examples))
+RUNS = settings(max_examples=settings.default.max_examples * 2 // 3)
 
 
 @pytest.mark.slow

@@ -204,12 +204,12 @@ def test_heuristic_rules_of_a_step_grow_linearly():
         """Return the number of statements that the heuristic adds to each step."""
         whole = mailbot(STAR[: offices - 1])
         requests = errands(number, offices)
-        counts = [ground(one, requests, 30, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
+        counts = [ground(one, requests, 20, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
         return [more - less for more, less in zip(*counts)]
 
-    small, large = cost(8, 4), cost(12, 8)
-    assert max(small) <= 18 * (8 + 4)
-    assert max(large) <= 18 * (12 + 8)
+    small, large = cost(6, 3), cost(9, 6)
+    assert max(small) <= 18 * (6 + 3)
+    assert max(large) <= 18 * (9 + 6)
     assert large[-1] == large[-2]
 
 

@@ -69,7 +69,7 @@ STORIES = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @scripts(STORIES)
 def test_house_follows_the_script(row):

@@ -205,7 +205,7 @@ class Robot(Mailbot):
         assert " ".join(f"{number} {end}" for number, (end, _) in sorted(self.ends.items())) == " ".join(words)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.slow
 @scripts(LIVES)
 def test_mailbot_life_follows_the_script(row):
@@ -332,7 +332,7 @@ def test_mailbot_reference_search_finds_shortest_plans():
 def test_mailbot_memory_of_a_long_run_is_bounded():
     """The requests of a bound stay as long as the bound (``_window``); all other past is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
-    window, cycles = sized((8, 36), (20, 60))
+    window, cycles = sized((6, 24), (20, 60))
     program = ReactiveProgram.from_files(files, {"_window": str(window)})
     solver = shortest(program)
     driver = Driver(settings=CoreSettings(), program=program, solver=lambda _: solver)

@@ -96,7 +96,7 @@ SHUT, OPEN = "_blocked(o1,o2,{0}+0).", "_opened(o1,o2,{0}+0)."
 CANCEL = "_request(cancel(1),{1})."
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("updates", "outcomes"),

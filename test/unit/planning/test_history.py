@@ -148,6 +148,7 @@ PAST = st.one_of(
 
 
 @pytest.mark.slow
+@settings(max_examples=settings.default.max_examples * 2 // 3)
 @given(
     LOOPING,
     st.lists(st.tuples(LOOPING_UPDATES, st.lists(PAST, max_size=2)), min_size=2, max_size=6),

@@ -107,8 +107,8 @@ def test_journal_view_shows_a_queued_goal(tmp_path):
 
 @pytest.mark.slow
 def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monkeypatch):
-    monkeypatch.setattr(folder, "RECORDS", 100)
-    goals = [(str(number), f"do({number})") for number in range(1, 60)]
+    monkeypatch.setattr(folder, "RECORDS", 40)
+    goals = [(str(number), f"do({number})") for number in range(1, 25)]
     file, published = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
     view = journal_view(file)
     first = min(one["cycle"] for one in records(view, "cycles"))

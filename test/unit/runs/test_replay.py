@@ -189,14 +189,14 @@ def test_replay_refuses_a_changed_program_text():
 
 @pytest.mark.slow
 def test_replay_stream_gives_same_answers_by_command(tmp_path, capsys):
-    driver = played("shortest", "goal(office3,office2,1)", "goal(office4,office1,2)")
+    driver = played("shortest", "goal(office3,office2,1)")
     run = recorded(driver.journal)
     words = RunProgram.of("run", driver.program, {}).write(tmp_path)
     (tmp_path / "stream").write_text(run.stream)
     assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) in (0, 20)
     reported = [line for line in capsys.readouterr().out.splitlines() if line]
     found = [report.found for report in Replay(run, driver.program).reports()]
-    assert len(reported) == len(found) > 5
+    assert len(reported) == len(found) > 3
     for line, shown in zip(reported, found):
         answers = re.findall(r'"answers": (\[.*?\]\]|\[\])', line)[0]
         assert (answers == "[]") is (shown is None)

@@ -498,7 +498,7 @@ def test_report_page_cut_labels_have_titles(opened):
         assert "" not in found
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "text", [*HOSTILE, "x" * 3000, "\u202eright to left\u202c", "\u0627\u0644\u0645\u0637\u0628\u062e", "two\nlines"]
 )

@@ -284,6 +284,7 @@ def test_service_loads_two_files_and_stops(files):
         assert serving.end() == (0, "")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "message"), [(signal.SIGINT, "stopped\n"), (signal.SIGTERM, "")])
 @pytest.mark.parametrize("program", ["endless.lp", "exploding.lp", "program.lp"])

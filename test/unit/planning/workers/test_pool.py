@@ -321,7 +321,7 @@ def test_pool_stream_survives_many_kills():
                     assert ended(pid)
                     kills.append(pid)
 
-        while len(kills) < sized(8, 20) or len(done) < 3:  # kills happen only while the worker searches
+        while len(kills) < sized(5, 20) or len(done) < 3:  # kills happen only while the worker searches
             cycle += 1
             if draw.random() < 0.5:
                 kill_some()

@@ -84,7 +84,7 @@ def line_is_good(good, here, direction):
     )
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_path_is_within_a_tenth_of_the_shortest(seed):
