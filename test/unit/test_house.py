@@ -119,6 +119,7 @@ def dependencies():
     return {element.text.strip() for element in root if element.tag.endswith("depend")}
 
 
+@pytest.mark.slow
 def test_house_imports_go_one_way():
     assert not faults(SOURCES, forbidden_rooms)
 
@@ -208,6 +209,7 @@ def test_house_version_is_only_in_package_xml():
         assert f'"{version}"' not in text, path
 
 
+@pytest.mark.slow
 def test_house_scripts_and_functions_are_short():
     assert not [relative(path) for path in SCRIPTS if len(path.read_text().splitlines()) > 40]
     assert not faults(SOURCES + SCRIPTS + TESTS, long_functions)

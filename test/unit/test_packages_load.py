@@ -31,6 +31,7 @@ def test_packages_without_compiled_code_load_no_compiler(module):
     assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0
 
 
+@pytest.mark.slow
 def test_packages_stream_command_loads_only_its_needs(tmp_path):
     """A new process loads and compiles each module that it imports."""
     (tmp_path / "program.lp").write_text("#program cumulative(t).\n#external e(t).\n#program volatile(t).\n")

@@ -71,6 +71,7 @@ def compare(repository, commit, rounds=3):
     return [(row.name, row.here, row.there) for row in run.compare("speed", here, there, rounds)]
 
 
+@pytest.mark.slow
 def test_bench_run_uses_own_bench_for_commits_without(repository, capfd):
     commit = repository.commit(3)
     repository.bench("a value")
@@ -93,6 +94,7 @@ def test_bench_run_uses_own_bench_if_commits_differ(repository):
 NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
 
 
+@pytest.mark.slow
 def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
     commit = repository.commit(3)
     repository.bench("a value", NEEDS_NEW)
@@ -104,6 +106,7 @@ def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
     assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
 
 
+@pytest.mark.slow
 def test_bench_run_uses_bench_of_commit_if_own_fails_there(repository, capfd):
     repository.bench("a value")
     commit = repository.commit(3)
@@ -143,6 +146,7 @@ def runner(*arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
+@pytest.mark.slow
 def test_bench_run_prints_a_table(repository, tmp_path, monkeypatch, capsys):
     repository.bench("a value")
     repository.commit(3)
@@ -169,6 +173,7 @@ def test_bench_prints_its_options_without_measuring(name, monkeypatch, capsys):
     assert "--json" in printed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

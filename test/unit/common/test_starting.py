@@ -45,7 +45,7 @@ def run(script, *arguments, **environment):
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("script", some_slow(PARAMETERS))
 def test_start_help_names_parameters_without_a_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
@@ -62,6 +62,7 @@ def test_start_help_is_tested_for_every_node():
     assert nodes < set(PARAMETERS)
 
 
+@pytest.mark.slow
 def test_start_refuses_unknown_arguments():
     done = run("core", "program.lp", "_program_files:=[x.lp]", "__name:=y")
     assert done.returncode == 2

@@ -125,7 +125,7 @@ def test_streams_commands_print_any_text_in_any_locale(folder, command, words, e
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 @pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
 def test_streams_programs_are_utf8_in_any_locale(folder, command, environment):
@@ -134,7 +134,7 @@ def test_streams_programs_are_utf8_in_any_locale(folder, command, environment):
 
 
 @pytest.mark.sampled(1)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
 def test_streams_standard_input_is_utf8_in_any_locale(folder, environment):
     output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode())

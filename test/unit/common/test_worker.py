@@ -133,7 +133,7 @@ sys.exit(starting.run_node("node", node, ()))
 """
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(("job", "code"), [("1 / 0", 1), ("sys.exit()", 1), ("rospy.signal_shutdown('asked to')", 0)])
 def test_worker_failure_gives_the_node_exit_code_1(job, code):
     done = subprocess.run(

@@ -159,6 +159,7 @@ def test_fleet_makes_way_at_a_dead_end():
     assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
 
 
+@pytest.mark.slow
 def test_fleet_passes_in_a_row_with_room_for_two():
     row = ((1, 2), (2, 3))
     fleet = Fleet(row, {"r1": 1, "r2": 2}, room=2, solver=shortest)

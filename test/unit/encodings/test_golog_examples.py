@@ -59,6 +59,7 @@ SLOW_RUNS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @scripts(RUNS, SLOW_RUNS)
 def test_golog_example_runs_as_published(row):

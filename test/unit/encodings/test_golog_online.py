@@ -127,7 +127,7 @@ def core(text):
 
 
 @pytest.mark.sampled(3)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
 def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
     """Each of these actions fails a number of times; the executed actions are in alphabetical order."""
@@ -232,6 +232,7 @@ def test_golog_waiting_search_within_others_blocks_them_all(name):
     assert driver.states("g")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_golog_action_belongs_to_a_single_program():
     driver = run(program(), "goal g run(pair,1); goal h run(ac,2)")
     assert sorted(driver.rest()) == ["a", "a", "b", "c"]

@@ -134,6 +134,7 @@ ENDLESS = ("while", ("not", ("f",)), ("await", ("less", 0, 1)))
 QUIET = [None, False, False, False, None]  # no event, no request for h, no cancel, no free and no executed action
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "later",
     [

@@ -34,6 +34,7 @@ def until_both_hold(driver):
     raise AssertionError("they never carry it together")
 
 
+@pytest.mark.slow
 def test_household_robots_carry_the_table_together():
     driver = until_both_hold(household().goal("table", "bring(kitchen,table)"))
     ends(driver, "r1")
@@ -43,6 +44,7 @@ def test_household_robots_carry_the_table_together():
     assert driver.finish().states("table")[-1] == "succeeded"
 
 
+@pytest.mark.slow
 def test_household_both_let_go_if_one_fails():
     driver = until_both_hold(household().goal("table", "bring(kitchen,table)"))
     ends(driver, "r1", "blocked")

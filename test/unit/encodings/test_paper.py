@@ -97,6 +97,7 @@ def test_paper_example_serves_five_requests_with_capacity_three(mailbot):
     assert all(mailbot.states(str(number)) == ["active", "succeeded"] for number in range(1, 6))
 
 
+@pytest.mark.slow
 def test_paper_example_reports_its_statuses():
     """A cancel during the delivery comes too late; unknown goals are rejected."""
     deliver(

@@ -71,7 +71,7 @@ SLOW_CORRECTIONS = {
 
 
 @pytest.mark.sampled(5)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @scripts(CORRECTIONS, SLOW_CORRECTIONS)
 def test_correction_follows_the_script(row):
     deliver("mailbot", row)

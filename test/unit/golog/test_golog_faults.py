@@ -179,6 +179,7 @@ def test_missing_file_is_reported_at_its_include():
     assert [(one.file, one.line) for one in caught.value.faults] == [("mail.golog", 3)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "text"), [("mail.golog", "proc p { a; }"), ("old.lp", "#hide.")])
 def test_missing_lark_is_reported_with_install_command(name, text):
     code = "import sys; sys.modules['lark'] = None\nfrom rosoclingo.oclingo import ReactiveProgram\n"

@@ -53,6 +53,7 @@ def test_translation_has_the_traces_of_the_interpreter(program, state, longest):
     check(program, state, longest)
 
 
+@pytest.mark.slow
 def test_long_sequences_are_complete():
     """A long sequence is split into several terms, without losing actions."""
     names = "acaccaacacac"

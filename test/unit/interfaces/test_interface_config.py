@@ -214,6 +214,7 @@ FIELDS = ["server", "type", "goal", "timeout", "server_timeout", "pause", "retri
 RULES = st.lists(st.dictionaries(st.sampled_from(["status", "text", "when", "return", "facts"]), ANYTHING), max_size=3)
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.sampled_from(FIELDS), st.one_of(ANYTHING, RULES)), SCALARS)
 def test_interface_config_of_any_data_is_handled(entry, name):
     try:

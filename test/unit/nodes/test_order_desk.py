@@ -156,6 +156,7 @@ def test_desk_counts_orders_of_an_earlier_view(counter):
     assert sum("ordered" in counter.order() for _ in range(20)) == 5
 
 
+@pytest.mark.slow
 def test_desk_remembers_an_open_order_behind_many_others(counter):
     counter.order()
     for number in range(MOST_KNOWN + 5):
@@ -164,6 +165,7 @@ def test_desk_remembers_an_open_order_behind_many_others(counter):
     assert "canceled" in counter.take(cancel="id 1", key=KEY)
 
 
+@pytest.mark.slow
 def test_desk_forgets_old_orders(counter):
     for number in range(MOST_KNOWN + 1):
         counter.order()

@@ -98,7 +98,7 @@ def compact(text, *updates, steps=8, every=1):
     return compacting
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rules", "updates", "reached"),
     [
@@ -191,6 +191,7 @@ def test_compaction_closes_externals_that_later_steps_declare():
     assert (first(solver), atoms(result)) == (4, [])
 
 
+@pytest.mark.slow
 def test_compaction_shows_atoms_of_ten_steps_once():
     solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
     shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)
@@ -258,6 +259,7 @@ def test_compaction_follows_an_improvement_without_result(cycles):
     assert first(solver) == solver.step
 
 
+@pytest.mark.slow
 def test_facts_of_compacted_steps_are_too_late():
     """Also for a solver that restored the history of another one."""
     solver, reader = drive(planner_of(ROBOT), 9, 2), planner_of(ROBOT)

@@ -214,6 +214,7 @@ def test_improved_plan_predicts_uncertain_returns_too(searches):
     assert searches == []
 
 
+@pytest.mark.slow
 def test_long_history_of_predicted_updates_is_compacted(compacts_at_once, monkeypatch, searches):
     """A reader grounds few steps, and its answers show the same executed actions."""
     monkeypatch.setattr(planning_solver, "LONG_PREDICTED", 4)

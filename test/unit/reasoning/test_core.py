@@ -128,6 +128,7 @@ def test_core_reports_events_of_a_goal_in_order():
     ]
 
 
+@pytest.mark.slow
 def test_core_remembers_cycles_that_an_open_request_saw():
     driver = Driver(UNDER_WAY)
     for number in range(40):

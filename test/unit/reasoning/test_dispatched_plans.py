@@ -354,7 +354,7 @@ SLOW_JOINS = {
 
 
 @pytest.mark.sampled(4)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @scripts(JOINS, SLOW_JOINS)
 def test_goals_join_without_a_search_for_the_next_action(row):
     delay, script = row
@@ -373,7 +373,7 @@ def test_next_cycle_for_joining_is_nearer_after_success():
     run.finish()
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
 def test_new_goals_join_next_update_without_wait_limit(limits):
     """There is no limit of the wait with shortest plans, or without a standby worker."""
@@ -401,7 +401,7 @@ def test_late_cancel_has_more_time_than_a_goal(script, waits):
 EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "prepared"]), max_size=12)
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @settings(max_examples=max(1, settings.default.max_examples // 20))
 @given(EVENTS, st.lists(st.permutations(range(1, 5)).map(lambda way: way[:2]), min_size=18, max_size=18), st.data())
 def test_robot_meets_all_goals_however_late_answers_are(events, errands, data):

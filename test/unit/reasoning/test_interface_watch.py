@@ -146,6 +146,7 @@ STEPS = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(STEPS, st.sampled_from((2.0, 3.5)), st.sampled_from((0.0, 2.0)))
 def test_watch_agrees_with_simple_model_across_restarts(steps, timeout, lost_timeout):
     program, execution, events = ReactiveProgram.from_text(ROBOTS), Execution(["work(r1),1", "work(r2),1"]), []

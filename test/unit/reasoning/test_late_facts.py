@@ -173,6 +173,7 @@ def test_message_turns_decide_whether_action_is_still_wanted(words, ended):
     assert len(driver.run().journal.of(ActionsPreempted)) == ended
 
 
+@pytest.mark.slow
 def test_message_turns_are_bounded_and_last_ones_stay_ordered():
     driver = driving()
     for number in range(200):
@@ -183,6 +184,7 @@ def test_message_turns_are_bounded_and_last_ones_stay_ordered():
     assert len(believed(driver)) == 199
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(st.sampled_from(["_in", "_gone"]), st.sampled_from(["hall", "study"])), max_size=8),
     st.booleans(),

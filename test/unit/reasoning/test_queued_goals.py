@@ -256,6 +256,7 @@ carried(I,t) :- carried(I,t-1), not _action_lib(bring,I,t-1).
 """
 
 
+@pytest.mark.slow
 def test_goal_in_hand_stays_if_program_allows_it_to_go():
     """Without its request, the program would forget the fetched item and fetch it again while it is carried."""
     driver = BusyDriver(IN_TWO_PARTS, settings=CoreSettings(horizon_limit=20), most=9)
@@ -295,7 +296,7 @@ class EndlessDriver(BusyDriver):
         return {key for key, outcome in ends(self).items() if outcome is Outcome.SUCCEEDED}
 
 
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("before", [0, 1, 2, 4])
 def test_endless_goal_does_not_block_planning_of_others(before):
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})

@@ -332,6 +332,7 @@ def test_view_shows_an_invalid_update_unchanged():
     assert cycle["updates"][1] == "no update <b>"
 
 
+@pytest.mark.slow
 def test_view_shortens_a_text_of_a_megabyte():
     view = RunView()
     view.goal(0.0, "a", "g(" + "x" * 1_000_000 + ")")

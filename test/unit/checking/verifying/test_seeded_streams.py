@@ -123,7 +123,7 @@ def found(name):
 
 
 @pytest.mark.sampled(16)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_verify_finds_a_defect_by_the_shortest_run(name):
     _, kind, cost, updates = {**SEEDS, **FOREIGN}[name]
@@ -167,7 +167,7 @@ def test_moves_fail_a_parameter_named_like_a_reason():
 
 
 @pytest.mark.sampled(1)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO, MACHINES], ids=["visits", "carries", "echo", "machines"])
 def test_verify_finds_sound_programs_clean(text):
     verdict = verify(ReactiveProgram.from_text(text), limits=VerifyLimits(events=2, steps=8), seconds=300)

@@ -26,12 +26,14 @@ def files(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_gringo3to5_prints_translated_files_in_order(files):
     code, out, err = run("one.lp", "two.lp", folder=files)
     assert (code, err) == (0, "")
     assert out == f"\n{{ p(X); q }} :- f(X).\n{MARK}r(X) :- not s, t : u; v, f(X).\n{MARK}"
 
 
+@pytest.mark.slow
 def test_gringo3to5_reads_standard_input_as_gringo_3():
     assert run("-", stdin=b":- a : b, c.\n") == (0, f":- a : b; c.\n{MARK}", RECOGNISED)
 
@@ -67,6 +69,7 @@ def test_gringo3to5_reports_missing_and_undecodable_files(files):
     assert (code, "bytes.lp: not UTF-8 text" in err, "save the file as UTF-8" in err) == (1, True, True)
 
 
+@pytest.mark.slow
 def test_gringo3to5_warns_about_untranslated_included_files(files):
     (files / "main.lp").write_text('#include "one.lp".\n#include "more/other.lp".', encoding="utf-8")
     code, _, err = run("main.lp", "one.lp", folder=files)

@@ -331,6 +331,7 @@ def test_command_ends_quietly_after_a_broken_pipe(files):
     assert "Traceback" not in error
 
 
+@pytest.mark.slow
 def test_script_runs_the_oclingo_command():
     assert os.access(SCRIPT, os.X_OK)
     code, output, error = run("--help")

@@ -51,6 +51,7 @@ def test_service_gives_the_answers_of_oclingo(case):
                 assert reply.text == str(update["horizon"])
 
 
+@pytest.mark.slow
 def test_service_sends_the_exact_bytes_of_oclingo():
     program = "#base.\nc :- d(1).\n#cumulative t.\n#external e(t).\n#volatile t.\n:- not e(t).\n"
     updates = [
@@ -115,6 +116,7 @@ def test_service_answers_random_bytes_with_errors(client):
     assert {client.reply().end for _ in range(data.count(0) + 1)} == {"error"}
 
 
+@pytest.mark.slow
 def test_refused_update_leaves_the_state_unchanged():
     with running(ECHO, horizon_limit=9) as found:
         client = found.client()
@@ -167,6 +169,7 @@ def test_each_client_gets_answers_to_its_updates(echo):
         client.close()
 
 
+@pytest.mark.slow
 def test_clients_beyond_the_limit_wait(monkeypatch):
     monkeypatch.setattr(service, "CLIENT_LIMIT", 2)
     with running(ECHO) as found:
@@ -216,6 +219,7 @@ def test_stop_closes_the_service_and_all_connections():
             found.client()
 
 
+@pytest.mark.slow
 def test_stop_of_a_disconnected_client_ends_the_service():
     with running(ECHO) as found:
         client = found.client()

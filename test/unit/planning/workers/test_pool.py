@@ -104,6 +104,7 @@ def test_solvers_share_a_worker_and_no_history(echo):
     assert answers(fed(other, "2.")) == [[]]
 
 
+@pytest.mark.slow
 def test_pool_answers_omit_old_cycles():
     """Each answer contains recent atoms and atoms without a cycle."""
     with pool_of("#program base. named(x). #show named/1. #show c/1. " + ECHO, shortest=True) as pool:
@@ -117,6 +118,7 @@ def test_pool_answers_omit_old_cycles():
 # ---- Lifetime of workers ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_workers_need_no_file_of_the_program(tmp_path):
     file = tmp_path / "part.lp"
     file.write_text("#program base.\na.\n", encoding="utf-8")

@@ -187,6 +187,7 @@ def test_journal_size_stays_bounded(folder, monkeypatch):
     assert folder.read().state == {"core": 499, "goal:1": "x" * 100}
 
 
+@pytest.mark.slow
 def test_journal_of_a_killed_core_is_unlocked(tmp_path):
     code = (
         "import sys; from pathlib import Path;"

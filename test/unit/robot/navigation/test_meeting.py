@@ -86,7 +86,7 @@ def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():
 
 
 @pytest.mark.sampled(1)
-@pytest.mark.mostly_slow
+@pytest.mark.slow
 @pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
 def test_meeting_robots_pass_each_other_despite_late_control(left, right):
     laser = LaserSpec(beams=135, noise=0.01)

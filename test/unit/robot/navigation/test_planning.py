@@ -48,6 +48,7 @@ def late_drive(late, things=()):
     return drive
 
 
+@pytest.mark.slow
 @pytest.mark.once
 def test_late_plan_robot_waits_first_and_drives_during_replanning():
     drive = late_drive(30, (ObstacleSpec("box", (3.05, 2.6), 0.1),))

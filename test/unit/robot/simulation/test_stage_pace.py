@@ -145,6 +145,7 @@ def test_stage_pace_ends_stage_that_is_starting(monkeypatch):
             signal.signal(number, handler)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("there", "speed", "words"),
     [
