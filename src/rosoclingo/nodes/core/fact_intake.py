@@ -22,7 +22,7 @@ SLICE = 0.05
 #: Limit of one node's queued messages.
 MOST_WAITING = 20
 
-#: Limit of the remembered announcements, by node and interface.
+#: Limit of the remembered and of the waiting announcements, by node and interface.
 MOST_ANNOUNCED = 10000
 
 
@@ -41,8 +41,9 @@ class _Sent(NamedTuple):
 class FactIntake:
     """Queues facts until the worker takes them; the topic's callback only enqueues.
 
-    Announcements are queued separately: they wake no worker and end no search. If a node announces an interface over a
-    new connection, but receives actions over the same one as before, its running actions are sent again.
+    Of the announcements of an interface, only the latest waits for the worker: they wake no worker, end no search, and
+    delay no facts of their node, however long a search takes. If a node announces an interface over a new connection,
+    but receives actions over the same one as before, its running actions are sent again.
 
     Attributes:
         gathering: decides whether the next update waits for messages that were sent together.
@@ -52,7 +53,7 @@ class FactIntake:
     def __init__(self, core: Core, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
         self._core, self._register, self._worker, self._actions = core, register, worker, actions
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
-        self._announcements: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
+        self._announcements: Dict[Tuple[str, str], _Sent] = {}  # by node and interface
         self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
         self.gathering = Gathering(time.monotonic())
 
@@ -78,14 +79,15 @@ class FactIntake:
         node = message._connection_header["callerid"]
         sent = _Sent(node, shortened(message.interface), tuple(message.facts), message._connection_header)
         if not message.facts:
-            self._announcements.put(node, sent)
+            if len(self._announcements) < MOST_ANNOUNCED:
+                self._announcements[node, sent.interface] = sent
         elif self._queue.put(node, sent):
             self._worker.put(_wake)
 
     def take(self) -> None:
         """Pass queued facts to the core, for at most SLICE seconds; called by the worker."""
-        for message in self._announcements.take(len(self._announcements)):
-            self._announce(message)
+        for _ in range(len(self._announcements)):
+            self._announce(self._announcements.popitem()[1])
         end = time.monotonic() + SLICE
         while self._queue and time.monotonic() < end:
             [message] = self._queue.take(1)
