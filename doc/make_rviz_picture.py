@@ -78,11 +78,14 @@ def wait_for(condition, what):
         time.sleep(0.05)
 
 
-def take_picture(display):
-    picture = ImageGrab.grab(xdisplay=display).convert("P", palette=Image.ADAPTIVE, colors=256)
-    PICTURE.parent.mkdir(exist_ok=True)
-    picture.save(PICTURE, optimize=True)
-    print(f"{PICTURE}: {PICTURE.stat().st_size // 1000} kB")
+def take_picture(display, path=PICTURE):
+    save(ImageGrab.grab(xdisplay=display), path)
+
+
+def save(picture, path):
+    """Save a picture with few colours, and print its size."""
+    picture.convert("P", palette=Image.ADAPTIVE, colors=256).save(path, optimize=True)
+    print(f"{path}: {path.stat().st_size // 1000} kB")
 
 
 def play():

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import OccupancyGrid
 
-from rosoclingo.nodes.rviz.map_view import FRAME, bounds_of, known_bounds, text_factor, view_of, with_view
+from rosoclingo.nodes.rviz.map_view import FRAME, bounds_of, known_bounds, text_factor, view_of, with_robots, with_view
 from rosoclingo.nodes.rviz.panel import LETTERS, LINES, Panel
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, larger, text_width
 
@@ -75,3 +75,14 @@ def test_map_view_changes_only_view_of_shipped_configuration(pytestconfig):
     assert changed["Window Geometry"]["Width"] == 800
     assert changed["Visualization Manager"]["Displays"] == config["Visualization Manager"]["Displays"]
     assert config["Visualization Manager"]["Views"]["Current"]["Scale"] != view.scale
+
+
+def test_map_view_shows_scan_and_path_of_each_robot(pytestconfig):
+    config = yaml.safe_load((pytestconfig.rootpath / "config" / "mailbot.rviz").read_text())
+    assert with_robots(config, []) == config
+    shown = with_robots(config, ["r1", "r2"])["Visualization Manager"]["Displays"]
+    topics = [one["Topic"] for one in shown if one["Name"].startswith(("Laser", "Path of"))]
+    assert topics == [
+        f"{robot}/{topic}" for topic in ("base_scan", "move_base/GridPlanner/plan") for robot in ("r1", "r2")
+    ]
+    assert len({one["Name"] for one in shown}) == len(shown)

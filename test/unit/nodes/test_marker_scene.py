@@ -49,7 +49,7 @@ def test_markers_place_packages_apart_at_label_or_robot():
     assert [shape.frame for shape in cubes] == ["map", "map", "base_link", "base_link"]
     assert cubes[0].position[:2] == (4.0, 0.65)
     assert math.dist(cubes[0].position, cubes[1].position) > cubes[0].scale[0]
-    assert cubes[3].position[2] - cubes[2].position[2] > cubes[2].scale[2]
+    assert math.dist(cubes[2].position, cubes[3].position) > cubes[2].scale[0]
 
 
 def test_markers_arrows_follow_remaining_plan_from_robot():

@@ -1,7 +1,7 @@
-"""The view of a map in rviz: its centre and scale, and the size of texts. Lengths in m."""
+"""rviz's configuration for a map and robots: the view of the map, the size of texts, and displays. Lengths in m."""
 
 import math
-from typing import Any, Dict, NamedTuple, Tuple
+from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ PROPORTION = 1.4  # a window's width divided by its height
 NEAR = 1.0  # distance below which the bounds of the map replace those of its known part, at the default size
 MARGIN = 0.03  # of the picture, on each side
 FRAME = (32, 92)  # pixels of width and height for rviz's menu, tools and status
+OF_ROBOTS = ("rviz/LaserScan", "rviz/Path")  # classes of displays of which each robot has its own
 
 Bounds = Tuple[float, float, float, float]  # minimum x, minimum y, maximum x, maximum y
 
@@ -71,3 +72,17 @@ def with_view(config: Dict[str, Any], view: MapView, size: Tuple[int, int]) -> D
     views["Current"]["Scale"] = view.scale
     window = {**config["Window Geometry"], "Width": size[0], "Height": size[1]}
     return {**config, "Visualization Manager": {**manager, "Views": views}, "Window Geometry": window}
+
+
+def with_robots(config: Dict[str, Any], robots: Sequence[str]) -> Dict[str, Any]:
+    """Return an rviz configuration in which each of several robots has displays of its scan and path.
+
+    Their topics are relative, in the robot's namespace. Without ``robots``, the configuration is unchanged.
+    """
+    manager = config["Visualization Manager"]
+    displays: List[Dict[str, Any]] = []
+    for one in manager["Displays"]:
+        names = robots if one.get("Class") in OF_ROBOTS else ()
+        own = [{**one, "Name": f"{one['Name']} of {name}", "Topic": f"{name}/{one['Topic']}"} for name in names]
+        displays += own or [one]
+    return {**config, "Visualization Manager": {**manager, "Displays": displays}}

@@ -22,14 +22,17 @@ WAYS = {DrawingKind.WAY: (GRAY, 0.04), DrawingKind.OPEN: (LATER, 0.08), DrawingK
 BAR = 0.6  # length in m of the bar across a blocked way
 
 PACKAGE_SIZE = 0.24
+TAIL = 0.75  # distance in m of a robot's name from its middle, where its load is
 LANE = 0.2
 
 
 def robot_shapes(frame: str, radius: float, name: str = "") -> List[Shape]:
-    """Return the robot as a cylinder with an arrow for its heading, and its name."""
+    """Return the robot as a cylinder with an arrow for its heading, and its name behind it."""
     height = 1.2 * radius
     nose = ((0.0, 0.0, height + 0.03), (1.5 * radius, 0.0, height + 0.03))
-    tag = [text_shape("robot", frame, name, (0.0, 0.0, height + 0.3))._replace(plate=PAPER, turns=True)] if name else []
+    tag = (
+        [text_shape("robot", frame, name, (-TAIL, 0.0, height + 0.3))._replace(plate=PAPER, turns=True)] if name else []
+    )
     return [
         *tag,
         Shape("robot", "cylinder", frame, BODY, (0.0, 0.0, height / 2), (2 * radius, 2 * radius, height)),
@@ -59,7 +62,7 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
         number = there[location] = there.get(location, -1) + 1
         if carried:
             frame = f"{location}/{robot_frame}" if location else robot_frame
-            position: Point = (0.0, 0.0, 0.35 + number * 1.1 * PACKAGE_SIZE)
+            position: Point = (0.0, _aside(number), 0.35)
         else:
             frame, position = labels[location].frame, _package_place(labels[location], number)
         x, y, z = position
@@ -148,9 +151,14 @@ def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tup
     return ((start[0] + right, start[1] + down, z), (end[0] + right, end[1] + down, z))
 
 
+def _aside(number: int) -> float:
+    """Return the place of a package in a row, alternating left and right of the first one, in m."""
+    return (number + 1) // 2 * (1 if number % 2 else -1) * 1.6 * PACKAGE_SIZE
+
+
 def _package_place(label: Label, number: int) -> Point:
-    """Return the place of a label's package, in a row before the label, alternating left and right."""
-    side = (number + 1) // 2 * (1 if number % 2 else -1) * 1.6 * PACKAGE_SIZE
+    """Return the place of a label's package, in a row before the label."""
+    side = _aside(number)
     ahead = 0.65
     cos, sin = math.cos(label.yaw), math.sin(label.yaw)
     return (label.x + ahead * cos - side * sin, label.y + ahead * sin + side * cos, PACKAGE_SIZE / 2)
