@@ -2,6 +2,7 @@
 
 import copy
 import re
+from random import Random
 
 import pytest
 from core_driver import Driver, shortest, soon
@@ -93,6 +94,11 @@ class Fleet(Driver):
         """Return the last state of a goal."""
         return self.states(str(number))[-1]
 
+    def ungiven(self):
+        """Return the waiting packages that no robot is to pick up in the plan, nor picks up."""
+        planned = [_words(one) for one in self.core.plan.after(self.core.cycle - 1)]
+        return set(self.world.waiting) - {what for _, verb, what in planned if verb == "pickup"}
+
     def superfluous(self):
         """Return the planned actions without which the rest of the plan still serves all packages."""
         planned = self.core.plan.after(self.core.cycle)
@@ -133,6 +139,26 @@ def test_fleet_robots_without_a_task_stand_still():
     fleet = Fleet(RING, {"r1": 1, "r2": 3, "r3": 5})
     fleet.ask(1, 2, 6).end_all()
     assert len({re.search(r"r\d", str(one)).group() for one in fleet.journal.actions}) == 1
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.slow
+@pytest.mark.parametrize("robots", [3, 2, 4])
+def test_fleet_rests_only_if_each_request_has_a_robot(robots):
+    """In each cycle with a robot that does nothing, the plan gives each waiting package to some robot."""
+    random, resting = Random(robots), 0
+    fleet = Fleet((*RING, (1, 4)), dict(zip(("r1", "r2", "r3", "r4"), (1, 3, 5, 6))), robots=robots)
+    for number in [*range(1, 9), *[None] * 200]:
+        if number is not None:
+            fleet.ask(number, *random.sample(range(1, 7), 2))
+        for _ in range(random.randint(1, 4)):
+            if len(fleet.under_way) < robots and fleet.world.waiting:
+                resting += 1
+                assert not fleet.ungiven()
+            if fleet.under_way:
+                fleet.end(random.choice(sorted(fleet.under_way)))
+    assert {fleet.last(number) for number in range(1, 9)} == {"succeeded"}
+    assert resting, "no robot ever rests while a package waits"
 
 
 @pytest.mark.slow
