@@ -218,7 +218,8 @@ class FleetTest(unittest.TestCase):
             self.assertTrue(self.robots.barred & {request.start, request.end}, text)
         else:
             self.assertIn(number, self.cancelled, text)
-            self.assertIn(carrier, {None, *self.lost}, text)
+            can_return = carrier not in {None, *self.lost} and request.start not in self.robots.barred
+            self.assertFalse(can_return, text)
 
 
 if __name__ == "__main__":
