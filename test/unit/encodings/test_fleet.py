@@ -264,7 +264,7 @@ def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason
     assert (fleet.last(1), fleet.last(2)) == ("aborted", "succeeded")
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [None, "failed"])
 @pytest.mark.parametrize("back_first", [False, True])

@@ -60,7 +60,7 @@ SLOW_RUNS = {
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(2)
 @scripts(RUNS, SLOW_RUNS)
 def test_golog_example_runs_as_published(row):
     name, script = row

@@ -170,7 +170,6 @@ def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.once
 @pytest.mark.parametrize("plan_time", [None, 0.0])

@@ -35,7 +35,9 @@ def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int) -> Gene
     return found
 
 
-def trim(plan: Plan, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()) -> Strategy[Optional[Reply]]:
+def trim(
+    plan: Plan, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()
+) -> Strategy[Optional[Reply]]:
     """Return a plan with fewer idle steps than ``plan`` after ``step``, fewer actions, or earlier ones; None for none.
 
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``.

@@ -7,7 +7,7 @@ from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
 from plain_walk import program_text
-from stream_play import processor_clock
+from stream_play import adopt, processor_clock
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, parse_update
 from rosoclingo.planning.grounding import Grounding
@@ -144,6 +144,29 @@ def test_soon_delays_other_robots_if_one_is_in_the_way(searches):
     found = late_plan(searches, "#program cumulative(t). :- at(r1,3,t), at(r2,2,t).")
     assert len(found) == 7, "each cart goes on"
     assert searches[:2] == [(5, 5), (2, 5 + LATER)], "the delayed plan, and any later one"
+
+
+@pytest.mark.parametrize(
+    ("cycles", "rule", "found"),
+    [
+        ((3, 4), "", [2, 3]),
+        ((2, 4), "", [2, 4]),
+        ((3, 4), "#program cumulative(t). :- at(r1,2,t), at(r2,1,t).", [3, 4]),
+    ],
+)
+def test_improve_lets_a_cart_go_as_early_as_possible(cycles, rule, found):
+    """The second cart's next drive begins in the next cycle if that is possible, although the plan is no shorter."""
+    text = CARTS.replace("P < 4", "P < N, needs(R,N)") + "#program base. needs(r1,4). needs(r2,2)." + rule
+    solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=0.0)
+    solver.update(parse_update("#step 1. _request(go,1). #endstep."))
+    drives = [("r1", place, place) for place in (1, 2, 3, 4)] + [("r2", one, cycles[one - 1]) for one in (1, 2)]
+    adopt(solver, [f"_action_lib(go({cart}),{place},{cycle})" for cart, place, cycle in drives], 4)
+    while solver.improve() is not None:
+        pass
+    planned = {cart: [] for cart in ("go(r1)", "go(r2)")}
+    for one in solver.log.plan.actions:
+        planned[str(one.arguments[0])].append(cycle_of(one))
+    assert {cart: sorted(some) for cart, some in planned.items()} == {"go(r1)": [1, 2, 3, 4], "go(r2)": found}
 
 
 def test_soon_returns_the_best_answer_in_time(monkeypatch):

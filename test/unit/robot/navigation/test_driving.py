@@ -212,7 +212,6 @@ def test_driving_passes_gaps_with_two_centimetres_margin(resolution, wide, radiu
     assert drive.recoveries == []
 
 
-@pytest.mark.sampled(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("space", [0.002, 0.01, 0.05, 0.1])
 @pytest.mark.parametrize(("footprint", "side", "yaw"), [(ERRATIC, 0.175, 0.0), (LONG, 0.2, np.pi)])
