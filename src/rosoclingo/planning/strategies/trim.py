@@ -61,12 +61,14 @@ def trim(
                 return sooner
     if trusted or not rest.actions:
         return None
+    fewer = yield question(rest, first, plan.horizon, fewer=True)
+    if fewer.satisfiable:
+        return fewer
     for earlier in _with_less_waiting(rest, step + 1) if several else ():
         sooner = yield question(earlier, first, plan.horizon)
         if sooner.satisfiable:
             return sooner
-    fewer = yield question(rest, first, plan.horizon, fewer=True)
-    return fewer if fewer.satisfiable else None
+    return None
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
