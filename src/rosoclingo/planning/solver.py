@@ -155,6 +155,8 @@ class PlanSolver(PlanningSolver):
             """Return whether to accept the best plan so far."""
             return stopped() or time.process_time() >= end
 
+        if not runner.snapshot.running:
+            self._improvement = None  # answers of all workers are the same
         improvement = self._improving(first.reply.plan, runner.step - 1, first.least)
         reply, better = first.reply, first.reply  # type: Reply, Optional[Reply]
         while better is not None:

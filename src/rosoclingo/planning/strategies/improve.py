@@ -73,32 +73,41 @@ class Improvement:
         return True
 
     def run(self, runner: StrategyRunner) -> Strategy[Optional[Reply]]:
-        """Return the first better plan, or the same plan with its cost; None after a stop, or if all is tried."""
+        """Return the first better plan, or the same plan with its cost; None after a stop, or if all is tried.
+
+        The plan is trimmed unless a stop ends that. If actions can go on while others end, the next calls trim it.
+        """
         self._runner = runner
         # the first cycle that is not closed in the grounding can precede the present step
         cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
+        best: Optional[Reply] = None
         with suppress(StoppedError):
             while not runner.is_stopped():
                 if not self._trimmed:
-                    found = yield from trim(self._plan, runner, self._step, self._first, self._present)
-                    self._trimmed = found is None
-                    if found is not None:
-                        return self._found(found)
-                question = next(self._questions, None)
-                if question is None:
-                    self._exhausted = True
+                    better = yield from trim(self._plan, runner, self._step, self._first, self._present)
+                    self._trimmed = better is None
+                elif best is not None:
                     break
-                found = yield from (self._cheaper if question.best else self._shorter)(question)
-                if found is not None:
-                    return self._found(found)
-        return None
+                else:
+                    better = yield from self._next()
+                    if self._exhausted:
+                        break
+                if better is not None:
+                    best = better
+                    self._trimmed = self._trimmed and better.plan.actions == self._plan.actions
+                    self._plan = better.plan
+                    if self._several:
+                        break  # the next update can come soon
+        return best
 
-    def _found(self, better: Reply) -> Reply:
-        """Continue with the plan of ``better``; return it."""
-        self._trimmed = self._trimmed and better.plan.actions == self._plan.actions
-        self._plan = better.plan
-        return better
+    def _next(self) -> Strategy[Optional[Reply]]:
+        """Ask the next question; return the answer if it is a better plan, or the same plan with its cost."""
+        question = next(self._questions, None)
+        if question is None:
+            self._exhausted = True
+            return None
+        return (yield from (self._cheaper if question.best else self._shorter)(question))
 
     def _shorter(self, question: Question) -> Strategy[Optional[Reply]]:
         """Return a shorter plan if there is an answer to ``question``."""
@@ -152,7 +161,7 @@ class Improvement:
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._shorter_plans(2 * conflicts)
-        if self._runner.program.declares_external(RUNNING.name, RUNNING.arity):
+        if self._several:
             yield from self._other_robots(2 * conflicts)
         first = self._step + 1
         while first <= self._plan.horizon:
@@ -209,6 +218,11 @@ class Improvement:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
             shortened = self._plan.horizon < horizon
+
+    @property
+    def _several(self) -> bool:
+        """Whether actions can go on while others end."""
+        return self._runner.program.declares_external(RUNNING.name, RUNNING.arity)
 
     @property
     def is_proven(self) -> bool:
