@@ -66,7 +66,7 @@ class PooledCore:
         returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in ended)
         self.core.receive("bench", [*facts, *returns])
 
-    def prefetch(self, seconds):
+    def await_standby(self, seconds):
         """Wait until the standby worker has its answer or has used some ``seconds`` of processor time."""
         if self.process.is_prefetching:
             clock = processor_clock(self.process.standby_pid)
@@ -180,7 +180,7 @@ class Robot(PooledCore):
             pass
         if self.waiting:
             self.core.prepare()
-        self.prefetch(seconds)
+        self.await_standby(seconds)
         self.world.do([(one.interface_name, str(one.parameter)) for one in self.core.awaited])
         self.executed, self._now = self.executed + 1, self._now + seconds
         self._returned = time.perf_counter() if self.core.plan.after(self.core.cycle) else None

@@ -126,7 +126,7 @@ class FleetCore(PooledCore):
         self.core.prepare()
         while not is_over() and self.core.improve(is_over):
             pass
-        self.prefetch(seconds)
+        self.await_standby(seconds)
 
     def _rest(self):
         """Measure how long robots rest while a package waits at a place of its own."""

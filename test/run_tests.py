@@ -117,12 +117,12 @@ class Tests:
             return outcome + sum((one.result() for one in rostests), Outcome())
 
     def whole(self) -> Outcome:
-        """Run all groups: next to the rostests, which have time limits, two low-priority groups at a time.
+        """Run all groups: next to the rostests, which have time limits, one low-priority group at a time.
 
         More at a time would take longer. The unit tests, which can use all cores up to the end, come last.
         """
         outcome = self.lint(())
-        with Lanes() as lanes, ThreadPoolExecutor(2) as pool:
+        with Lanes() as lanes, ThreadPoolExecutor(1) as pool:
             others = self._begin(lanes, ROSTESTS, "", os.environ)
             others.append(pool.submit(self.install, ()))
             python38 = _python38_environment()

@@ -156,7 +156,7 @@ class PlanSolver(PlanningSolver):
             return stopped() or time.process_time() >= end
 
         if not runner.snapshot.running:
-            self._improvement = None  # answers of all workers are the same
+            self._improvement = None  # so that all workers give the same answer
         improvement = self._improving(first.reply.plan, runner.step - 1, first.least)
         reply, better = first.reply, first.reply  # type: Reply, Optional[Reply]
         while better is not None:
@@ -235,9 +235,10 @@ class PlanSolver(PlanningSolver):
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan with the same actions up to the present step, and adopt it.
 
-        A better plan is shorter or, if the program optimizes, equally short and cheaper. The first better plan is
-        returned as another answer to the last update; further calls can find still better plans. Returns None after a
-        stop, if the search is exhausted until the next update, or if the solver computes several answers.
+        A better plan has fewer steps, or as many steps and fewer actions, earlier ones or, if the program optimizes,
+        lower costs. The first better plan is returned as another answer to the last update; further calls can find
+        still better plans. Returns None after a stop, if the search is exhausted until the next update, or if the
+        solver computes several answers.
         """
         plan = self.log.plan
         if plan is None or plan.shortest or self.models != 1:

@@ -214,7 +214,7 @@ class Core(PersistentPart):
         return due
 
     def improve(self, stopped: Callable[[], bool]) -> bool:
-        """Shorten the plan while actions run and nothing waits; return whether a shorter plan can still exist.
+        """Improve the plan while actions run and nothing waits; return whether a better plan can still exist.
 
         Running actions stay in the plan. The call returns with each better plan, and soon after ``stopped``, which is
         polled every few milliseconds, returns True.

@@ -20,7 +20,6 @@ from typing import Iterable, Iterator, Optional, Set, Tuple
 import clingo
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.reorder import reordered
@@ -97,7 +96,7 @@ class Improvement:
                     best = better
                     self._trimmed = self._trimmed and better.plan.actions == self._plan.actions
                     self._plan = better.plan
-                    if self._several:
+                    if self._runner.actions_go_on:
                         break  # the next update can come soon
         return best
 
@@ -161,7 +160,7 @@ class Improvement:
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._shorter_plans(2 * conflicts)
-        if self._several:
+        if self._runner.actions_go_on:
             yield from self._other_robots(2 * conflicts)
         first = self._step + 1
         while first <= self._plan.horizon:
@@ -218,11 +217,6 @@ class Improvement:
                 given = [(action, True) for action in plan.actions]
                 yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
             shortened = self._plan.horizon < horizon
-
-    @property
-    def _several(self) -> bool:
-        """Whether actions can go on while others end."""
-        return self._runner.program.declares_external(RUNNING.name, RUNNING.arity)
 
     @property
     def is_proven(self) -> bool:

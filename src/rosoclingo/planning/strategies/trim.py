@@ -5,15 +5,14 @@ Nakhost and Mueller 2010). The solver searches for a plan with a proper subset o
 assumes all other actions false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
 plan no superfluous actions, unless several robots act: each of them could do what another one plans to do.
 
-If actions can go on while others end, a robot that has no action in the next step gets its next one then, if the plan
-stays valid. Such a delay does not make the plan longer, but it can when the actions of other robots take longer.
+If actions can go on while others end, a robot without an action in the next step begins its next action then, if the
+plan stays valid. The plan has no fewer steps, but if its actions take longer than planned, fewer of them are late.
 """
 
 from contextlib import suppress
 from typing import Generator, Iterator, Optional
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategy_runner import StrategyRunner
@@ -38,13 +37,12 @@ def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int) -> Gene
 def trim(
     plan: Plan, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()
 ) -> Strategy[Optional[Reply]]:
-    """Return a plan with fewer idle steps than ``plan`` after ``step``, fewer actions, or earlier ones; None for none.
+    """Return a plan that has fewer idle steps or actions after ``step`` than ``plan``, or earlier ones; None for none.
 
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``.
     """
     advises = runner.program.advises
-    several = runner.program.declares_external(RUNNING.name, RUNNING.arity)
-    trusted, rest = advises and not several, plan.rest(step + 1)
+    trusted, rest = advises and not runner.actions_go_on, plan.rest(step + 1)
 
     def question(plan: Plan, first: int, last: int, fewer: bool = False) -> Question:
         """Return the question for ``plan``, or for a proper subset of its actions."""
@@ -64,7 +62,7 @@ def trim(
     fewer = yield question(rest, first, plan.horizon, fewer=True)
     if fewer.satisfiable:
         return fewer
-    for earlier in _with_less_waiting(rest, step + 1) if several else ():
+    for earlier in _with_less_waiting(rest, step + 1) if runner.actions_go_on else ():
         sooner = yield question(earlier, first, plan.horizon)
         if sooner.satisfiable:
             return sooner
@@ -78,7 +76,7 @@ def _without_idling(plan: Plan, step: int) -> Plan:
 
 
 def _with_less_waiting(plan: Plan, begin: int) -> Iterator[Plan]:
-    """Yield ``plan`` with the actions of one robot earlier, which has no action at ``begin``: from then on, or by 1."""
+    """Yield plans in which one robot acts earlier than in ``plan``: from ``begin`` on, or by one step."""
     robots = {one: robots_of(one.arguments[0]) for one in plan.actions}
     for robot in sorted({robot for some in robots.values() for robot in some}):
         own = [one for one in plan.actions if robot in robots[one]]
