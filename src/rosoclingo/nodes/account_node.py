@@ -1,7 +1,8 @@
 """The account of a live run, from public topics."""
 
-import threading
-from typing import Any, Callable, Optional
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import Any, Callable, Optional, Tuple
 
 import rospy
 from genpy.message import get_message_class
@@ -22,7 +23,8 @@ CORE_TOPICS = ("out_rosoclingo", "~goals", "~updates", "~task_plan")
 class AccountNode:
     """Prints the account of a core from now on; ``words`` are the sentences of its program.
 
-    ``with_state`` adds the program's beliefs. The methods are callable from any thread.
+    ``with_state`` adds the program's beliefs. Messages are handled, and lines printed, by the thread that calls the
+    methods; call :meth:`tick` often.
 
     Subscribes:
         CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
@@ -41,9 +43,9 @@ class AccountNode:
     ) -> None:
         self._account = Account(say, with_state=with_state)
         self._topics = RunTopics(self._account)
-        self._lock = threading.Lock()
+        self._arrived: SimpleQueue[Tuple[float, str, Any]] = SimpleQueue()
         if words is not None:
-            self._account.sentences = words  # before the first message can arrive
+            self._account.sentences = words
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), get_message_class(kind), self._on_message, callback_args=topic, queue_size=None
@@ -61,22 +63,26 @@ class AccountNode:
     @property
     def summary(self) -> Summary:
         """The summary up to now."""
-        with self._lock:
-            return self._account.summary
+        self.tick()
+        return self._account.summary
 
-    def tick(self) -> None:
-        """Print the lines that are due now."""
-        with self._lock:
-            self._account.clock(rospy.get_time())
+    def tick(self, wait: float = 0.0) -> None:
+        """Print the lines that are due now; wait at most ``wait`` seconds of wall time for a message."""
+        with suppress(Empty):
+            self._take(*self._arrived.get(timeout=wait))
+            while True:
+                self._take(*self._arrived.get_nowait())
+        self._account.clock(rospy.get_time())
 
     def finish(self) -> Summary:
         """End the account: print delayed lines, and return the summary."""
-        with self._lock:
-            self._account.finish()
-            return self._account.summary
+        self.tick()
+        self._account.finish()
+        return self._account.summary
 
     def _on_message(self, message: Any, topic: str) -> None:
-        now = rospy.get_time()
-        with self._lock:
-            if not self._topics.is_too_soon(topic, now):
-                self._topics.takes[topic](now, message)
+        self._arrived.put((rospy.get_time(), topic, message))
+
+    def _take(self, time: float, topic: str, message: Any) -> None:
+        if not self._topics.is_too_soon(topic, time):
+            self._topics.takes[topic](time, message)

@@ -5,7 +5,6 @@ import sys
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Callable, Iterable, Optional, Sequence
 
 import rospy
@@ -68,28 +67,16 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Print the account of a core's system until Ctrl-C or the master's end, then the summary."""
     name = rospy.resolve_name(core) if core else _find_core()
     words = words_of(name)  # first, as the first line can be about an action
-    lines: SimpleQueue[str] = SimpleQueue()
-    account, beginning = AccountNode(lines.put, with_state, name, words), Beginning()
+    account, beginning = AccountNode(say, with_state, name, words), Beginning()
     try:
         while not rospy.is_shutdown():
-            _say_all(lines, say, _TURN)
+            account.tick(_TURN)
             line = beginning.line()
             if line:
                 say(line)
-            account.tick()
     except KeyboardInterrupt:
         pass
-    summary = account.finish()
-    _say_all(lines, say)
-    _conclude(summary, say)
-
-
-def _say_all(lines: "SimpleQueue[str]", say: Say, wait: float = 0.0) -> None:
-    """Print all lines, and wait for the first; errors of ``say`` are raised here, not in callbacks of topics."""
-    with suppress(Empty):
-        say(lines.get(timeout=wait))
-        while True:
-            say(lines.get_nowait())
+    _conclude(account.finish(), say)
 
 
 def _conclude(summary: Summary, say: Say) -> None:

@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional
+from typing import Any, Callable, List, Mapping, NamedTuple
 
 import rospkg
 
@@ -50,12 +50,17 @@ def run_scenario(
     ``wait_for`` names the action servers that have to be up within ``timeout`` seconds of wall time. ``check`` is
     called regularly and can raise an exception to end the scenario; the first event waits until ``recording`` holds.
     """
-    player = ScenarioPlayer(scenario, wait_for, say, check)
+    account = AccountNode(say)
+
+    def attend() -> None:
+        """Print the account, and check whether to end."""
+        account.tick()
+        check()
+
+    player = ScenarioPlayer(scenario, wait_for, say, attend)
     faults: List[str] = []
-    account: Optional[AccountNode] = None
     try:
         player.prepare(timeout)
-        account = AccountNode(say)
         player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
@@ -64,7 +69,7 @@ def run_scenario(
         wait_for_news(player, lambda: account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
-    summary = account.finish() if account is not None else Summary()
+    summary = account.finish()
     return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.sent))
 
 
