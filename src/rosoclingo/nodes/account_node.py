@@ -60,6 +60,10 @@ class AccountNode:
         me = rospy.get_name()
         return all(is_delivered_to(me, one.name, allow_none=topic not in CORE_TOPICS) for topic, one in found)
 
+    def has_ended(self, key: str) -> bool:
+        """Return whether the goal with this id is known and has ended."""
+        return self._account.has_ended(key)
+
     @property
     def summary(self) -> Summary:
         """The summary up to now."""

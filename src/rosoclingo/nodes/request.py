@@ -6,14 +6,14 @@ from typing import Callable
 import rospy
 
 from rosoclingo.msg import ROSoClingoFeedback
-from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.nodes.goal_client import GoalClient
 from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.events import SAID, reason_of, reason_suffix
 from rosoclingo.runs.sentences import Sentences
 
 Line = Callable[[ROSoClingoFeedback], str]
-End = Callable[[SentGoal], str]
+End = Callable[[GoalClient], str]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -36,9 +36,9 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
     Actions called:
         SERVER (rosoclingo/ROSoClingoAction): the action server ``server``.
     """
-    client = CoreClient(server)
+    goal = GoalClient(server)
     try:
-        there = client.wait_for_server(wait)
+        there = goal.wait_for_server(wait)
     except KeyboardInterrupt:
         say(f"stopped waiting for the action server '{server}'; nothing was sent")
         return EXIT_CODES["lost"]
@@ -46,23 +46,24 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         still = "" if rospy.get_time() else "; ROS time has not begun, so the core publishes no status"
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
-    words = words_of(client.node) if plain else None
+    words = words_of(goal.node) if plain else None
     line = _line if words is None else partial(_plain_line, words)
     end = _end if words is None else partial(_plain_end, words)
-    return _follow(client, client.send(text), line, end, say)
+    goal.send(text)
+    return _follow(goal, line, end, say)
 
 
-def _follow(client: CoreClient, goal: SentGoal, line: Line, end: End, say: Callable[[str], None]) -> int:
+def _follow(goal: GoalClient, line: Line, end: End, say: Callable[[str], None]) -> int:
     """Print news of a goal until it has ended; return the exit code."""
     said, cancelled, beginning = "", False, Beginning()
-    while not goal.ended:
+    while not goal.outcome:
         try:
             text = beginning.line() or (line(goal.feedback) if goal.feedback is not None else "")
             if text and text != said:
                 said = text
                 say(text)
-            client.wait(_TURN)
-            client.check()
+            goal.wait(_TURN)
+            goal.check()
         except KeyboardInterrupt:
             if cancelled:
                 say("stopped waiting; the cancel request was sent")
@@ -83,10 +84,10 @@ def _line(feedback: ROSoClingoFeedback) -> str:
     return f"cycle {feedback.cycle}, {feedback.status}: {plan}"
 
 
-def _end(goal: SentGoal) -> str:
+def _end(goal: GoalClient) -> str:
     return f"{goal.outcome}: {goal.message}"
 
 
-def _plain_end(words: Sentences, goal: SentGoal) -> str:
+def _plain_end(words: Sentences, goal: GoalClient) -> str:
     reason = words.reason(goal.text, reason_of(goal.text, goal.message))
     return f"{words.goal(goal.text)}: {SAID[goal.outcome]}{reason_suffix(goal.outcome, reason)}"

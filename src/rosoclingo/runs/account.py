@@ -8,7 +8,6 @@ from rosoclingo.runs.believed_places import CARRIED, believed_places
 from rosoclingo.runs.events import PENDING, SAID, reason_suffix
 from rosoclingo.runs.run_tables import Point
 from rosoclingo.runs.run_view import RunView
-from rosoclingo.runs.scenario import OUTCOMES
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_atoms import action_in
 
@@ -46,10 +45,6 @@ class Summary:
     seconds: float = 0.0
     robots: Dict[str, str] = field(default_factory=dict)
     sentences: Sentences = field(default_factory=Sentences)
-
-    def has_ended(self, keys: Collection[str]) -> bool:
-        """Return whether the goals with these keys have ended."""
-        return {one.key for one in self.goals if one.status in OUTCOMES}.issuperset(keys)
 
     def differences(
         self, expect: Mapping[str, Any], before: int = 0, sent: Optional[Collection[str]] = None

@@ -15,7 +15,7 @@ WALK = PatternSentence(pattern_in("walk(Room)"), "Walk to room {Room}")
 def command(messages, monkeypatch):
     """The module of the command, which gets the client below."""
     module = import_module("rosoclingo.nodes.request")
-    monkeypatch.setattr(module, "CoreClient", Client)
+    monkeypatch.setattr(module, "GoalClient", Client)
     monkeypatch.setattr(module, "words_of", lambda core: Sentences({"walk": "walks to {}"}, [WALK]))
     return module
 
@@ -30,23 +30,24 @@ class Client:
     node = "rosoclingo"
 
     def __init__(self, server):
-        self.goal = SimpleNamespace(
-            text="walk(3)", ended=False, feedback=feedback("active"), outcome="", message="", cancel=lambda: None
-        )
+        self.text, self.feedback, self.outcome, self.message = "walk(3)", feedback("active"), "", ""
         self.looks = self.feedbacks()
 
     def feedbacks(self):
         yield from (None, KeyboardInterrupt, None)
-        self.goal.feedback = feedback("preempting")
+        self.feedback = feedback("preempting")
         yield None
-        self.goal.ended, self.goal.outcome, self.goal.message = True, "canceled", "as you like"
+        self.outcome, self.message = "canceled", "as you like"
         yield None
 
     def wait_for_server(self, seconds):
         return True
 
     def send(self, text):
-        return self.goal
+        pass
+
+    def cancel(self):
+        pass
 
     def wait(self, seconds):
         error = next(self.looks)

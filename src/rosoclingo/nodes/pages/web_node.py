@@ -11,8 +11,8 @@ from std_msgs.msg import String
 from tornado.netutil import bind_sockets
 
 from rosoclingo.common.parameters import ParameterError, Parameters
+from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.nodes.pages.access import LOCAL, Access
-from rosoclingo.nodes.pages.core_connection import CoreConnection
 from rosoclingo.nodes.pages.order_desk import OrderDesk, Taken
 from rosoclingo.nodes.pages.page_server import PageServer, listening
 from rosoclingo.nodes.pages.report_command import web

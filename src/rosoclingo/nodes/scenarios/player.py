@@ -1,8 +1,8 @@
-"""Plays a scenario: sends goals by actionlib, cancels and facts, and waits until all goals have ended."""
+"""Plays a scenario: sends goals, cancels and facts, and waits until all goals have ended."""
 
-import threading
 import time
 from contextlib import suppress
+from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 import genpy
@@ -12,11 +12,14 @@ from actionlib_msgs.msg import GoalStatusArray
 from clingo import Symbol
 from std_msgs.msg import String
 
-from rosoclingo.msg import InterfaceIO, TaskPlan
-from rosoclingo.nodes.goal_client import CoreClient, SentGoal
+from rosoclingo.msg import TaskPlan
+from rosoclingo.nodes.account_node import AccountNode
+from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
+from rosoclingo.runs.orders import OrderError
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
+from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: Seconds of wall time between two checks of the clock.
 _TURN = 0.02
@@ -37,18 +40,19 @@ class ScenarioPlayer:
     """Plays one scenario against a running system.
 
     Attributes:
+        account: the account of the run, which is printed meanwhile.
+        goals: the goals of the scenario by actionlib's ids; goals of an earlier scenario can end in the same account.
         before: number of the core's cycles before the scenario's first update, which starts its cycle 1.
 
     Subscribes:
         rosoclingo/task_plan (rosoclingo/TaskPlan), rosoclingo/updates (std_msgs/String): the cycles of events.
         NAME/status (actionlib_msgs/GoalStatusArray): of each required action server in ``wait_for``.
     Publishes:
+        rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
         in_rosoclingo (rosoclingo/InterfaceIO): the scenario's facts.
     Services called:
         office/put_package (rosoclingo/PutPackage): for packages of the scenario.
         SERVICE: each service of the scenario.
-    Actions called:
-        rosoclingo (rosoclingo/ROSoClingoAction): with one client for each client of the scenario.
 
     """
 
@@ -63,20 +67,19 @@ class ScenarioPlayer:
         self._scenario = scenario
         self._say = say
         self._check = check
-        self._news = threading.Condition()
+        self.account = AccountNode(say)
+        self._connection = CoreConnection(partial(full_name, core=rospy.resolve_name(USUAL)))
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
         self.before: Optional[int] = None  # until an update has arrived
         self._plans = 0  # received so far
         self._core = ""  # the name of the core's node, from its plans
         self._missing = set(wait_for)
-        self._clients = {name: CoreClient() for name in sorted({one.client for one in scenario.events})}
-        self._facts = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
         rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._on_plan)
         rospy.Subscriber("rosoclingo/updates", String, self._on_update)
         for name in wait_for:
             rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
-        self.goals: List[SentGoal] = []
+        self.goals: Dict[str, str] = {}
 
     def prepare(self, timeout: float) -> None:
         """Wait for ROS time and all servers, each at most ``timeout`` seconds of wall time; place the packages.
@@ -90,13 +93,9 @@ class ScenarioPlayer:
             lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
         )
         self.wait_until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
-        for client in self._clients.values():
-            if not client.wait_for_server(timeout):
-                raise PlayError("no action server rosoclingo")
-        if any(event.verb == "facts" for event in self._scenario.events):
-            self.wait_until(
-                lambda: self._facts.impl.has_connection(self._core), timeout, lambda: "the core reads no in_rosoclingo"
-            )
+        server = f"no action server {USUAL}"
+        self.wait_until(lambda: self._connection.is_connected_to(self._core), timeout, lambda: server)
+        self.wait_until(lambda: self.account.connected, timeout, lambda: "no connection to the core's topics")
         self._put_packages(timeout)
 
     def play(self) -> None:
@@ -106,7 +105,7 @@ class ScenarioPlayer:
         self._begun = dict.fromkeys(self._begun, self._start)
         self.before = None
         clock, quiet = _Unchanged(), _Unchanged()
-        while waiting or not all(goal.ended for goal in self.goals):
+        while waiting or self._open_goals:
             elapsed = rospy.get_time() - self._start
             if rospy.is_shutdown():
                 raise PlayError("shut down before the scenario's end")
@@ -133,12 +132,11 @@ class ScenarioPlayer:
     def _awaits_a_cycle(self, waiting: List[ScenarioEvent]) -> bool:
         """Return whether no goal is open, and all remaining events wait for later cycles."""
         later = all(one.cycle is not None and one.cycle > self._reached for one in waiting)
-        return bool(waiting) and later and all(goal.ended for goal in self.goals)
+        return bool(waiting) and later and not self._open_goals
 
     @property
-    def sent(self) -> List[str]:
-        """Actionlib's ids of the goals of this scenario: goals of an earlier scenario can end in the same account."""
-        return [goal.identifier for goal in self.goals]
+    def _open_goals(self) -> List[str]:
+        return [text for key, text in self.goals.items() if not self.account.has_ended(key)]
 
     @property
     def cycle(self) -> int:
@@ -147,8 +145,7 @@ class ScenarioPlayer:
 
     def _turn(self) -> None:
         self._check()
-        with self._news:
-            self._news.wait(_TURN)
+        self.account.tick(_TURN)
 
     def _elapsed_cycles(self) -> Dict[int, float]:
         start = self._start or 0.0
@@ -158,25 +155,27 @@ class ScenarioPlayer:
         return found
 
     def _open(self, waiting: List[ScenarioEvent]) -> str:
-        goals = [goal.text for goal in self.goals if not goal.ended]
-        return ", ".join([*map(str, waiting), *goals])
+        return ", ".join([*map(str, waiting), *self._open_goals])
 
     def _do(self, event: ScenarioEvent) -> None:
         actions = {"request": self._request, "cancel": self._cancel, "facts": self._publish, "call": self._call}
-        actions[event.verb](event)
+        try:
+            actions[event.verb](event)
+        except OrderError as error:
+            raise PlayError(f"{event}: {error}") from error
 
     def _request(self, event: ScenarioEvent) -> None:
-        self.goals.append(self._clients[event.client].send(event.value))
+        self.goals[self._connection.send(event.value, event.client)] = event.value
 
     def _cancel(self, event: ScenarioEvent) -> None:
-        named = [goal for goal in self.goals if _identifier(goal.text) == str(event.value)]
+        named = [key for key, text in self.goals.items() if _identifier(text) == str(event.value)]
         if named:
-            named[-1].cancel()
+            self._connection.cancel(named[-1])
         else:
             raise PlayError(f"{event}: no goal {event.value} was sent before")
 
     def _publish(self, event: ScenarioEvent) -> None:
-        self._facts.publish(InterfaceIO(event.origin, [str(fact) for fact in event.value]))
+        self._connection.report(*map(str, event.value), origin=event.origin)
 
     def _call(self, event: ScenarioEvent) -> None:
         call_service(event.value, event.fields)

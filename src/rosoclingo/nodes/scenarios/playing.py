@@ -6,7 +6,6 @@ from typing import Any, Callable, List, Mapping, NamedTuple
 
 import rospkg
 
-from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.account import Summary
 from rosoclingo.runs.scenario import Scenario, ScenarioError
@@ -50,34 +49,24 @@ def run_scenario(
     ``wait_for`` names the action servers that have to be up within ``timeout`` seconds of wall time. ``check`` is
     called regularly and can raise an exception to end the scenario; the first event waits until ``recording`` holds.
     """
-    account = AccountNode(say)
-
-    def attend() -> None:
-        """Print the account, and check whether to end."""
-        account.tick()
-        check()
-
-    player = ScenarioPlayer(scenario, wait_for, say, attend)
+    player = ScenarioPlayer(scenario, wait_for, say, check)
     faults: List[str] = []
     try:
         player.prepare(timeout)
-        player.wait_until(lambda: account.connected, timeout, lambda: "no connection to the core's topics")
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
-        # the account learns of an end from ~goals, which can be later than the result
-        player.wait_until(lambda: account.summary.has_ended(player.sent), timeout, lambda: "not all ends are on ~goals")
-        wait_for_news(player, lambda: account.summary, scenario.expect)
+        wait_for_news(player, lambda: player.account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
-    summary = account.finish()
-    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.sent))
+    summary = player.account.finish()
+    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.goals))
 
 
 def wait_for_news(player: ScenarioPlayer, summary: Callable[[], Summary], expect: Mapping[str, Any]) -> None:
     """Wait, at most LATE_NEWS seconds, until the summary has the expected end: topics arrive independently."""
     with suppress(PlayError):  # then the run did not end as expected
         player.wait_until(
-            lambda: not summary().differences(expect, player.before or 0, player.sent),
+            lambda: not summary().differences(expect, player.before or 0, player.goals),
             LATE_NEWS,
             lambda: "not as expected",
         )

@@ -1,4 +1,4 @@
-"""The connection of a page to the core: goals, facts, and the core's services."""
+"""The connection of a page or a scenario to the core: goals, facts, and the core's services."""
 
 import json
 import uuid
@@ -32,10 +32,15 @@ class CoreConnection:
         self._stop = rospy.ServiceProxy(full("~stop"), Trigger)
         self._explain = rospy.ServiceProxy(full("~explain"), Explain)
 
-    def send(self, text: str) -> str:
-        """Send a goal and return its id."""
+    def is_connected_to(self, node: str) -> bool:
+        """Return whether goals, cancels and facts arrive at a node."""
+        return all(one.impl.has_connection(node) for one in (self._goals, self._cancels, self._facts))
+
+    def send(self, text: str, client: str = "") -> str:
+        """Send a goal and return its id, which contains the name of its ``client``."""
         _check(self._goals)
-        goal = ROSoClingoActionGoal(goal_id=GoalID(rospy.Time.now(), f"{rospy.get_name()}-{uuid.uuid4().hex}"))
+        words = filter(None, (rospy.get_name(), client, uuid.uuid4().hex))
+        goal = ROSoClingoActionGoal(goal_id=GoalID(rospy.Time.now(), "-".join(words)))
         goal.header.stamp, goal.goal.request = goal.goal_id.stamp, text
         self._goals.publish(goal)
         return str(goal.goal_id.id)
@@ -44,10 +49,10 @@ class CoreConnection:
         """Cancel the goal of an id."""
         self._cancels.publish(GoalID(id=key))
 
-    def report(self, fact: str) -> None:
-        """Report a fact, as an interface with the name of this node does."""
+    def report(self, *facts: str, origin: str = "") -> None:
+        """Report facts, as the interface ``origin`` does, or one with the name of this node."""
         _check(self._facts)
-        self._facts.publish(InterfaceIO(rospy.get_name().strip("/"), [fact]))
+        self._facts.publish(InterfaceIO(origin or rospy.get_name().strip("/"), list(facts)))
 
     def pause(self, paused: bool) -> str:
         """Pause the core, or let it continue; return its answer."""
