@@ -60,17 +60,11 @@ class RunEvents:
     def begin(self, run: str) -> None:
         """Handle the id of the core's run; a new run starts with cycle 1 again."""
 
-    def goal(self, time: float, key: str, text: str) -> None:
-        """Handle a goal of a client."""
-
     def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
         """Handle the states of all goals."""
 
     def cancel(self, time: float, key: str) -> None:
         """Handle a client's cancel of a goal; an empty key stands for all goals."""
-
-    def status(self, time: float, key: str, number: int, reason: str) -> None:
-        """Handle a goal's status, as in actionlib_msgs/GoalStatus, also if it is repeated."""
 
     def update(self, time: float, text: str) -> None:
         """Handle an accepted stream update."""

@@ -19,7 +19,7 @@ from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES, Actio
 from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import Record, codec, group
 from rosoclingo.reasoning.returns import Dispatch
-from rosoclingo.runs.events import RunEvents
+from rosoclingo.runs.events import GoalReport, RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sent_returns import SentReturns
@@ -30,8 +30,8 @@ LACKS = "a journal has no poses, map or packages, no lines of the core's log and
 #: The sender of facts in an update.
 SOMEBODY = "an interface"
 
-#: actionlib's number of a lost goal.
-_LOST = 9
+#: actionlib's numbers of a goal that has just arrived, and of a lost goal.
+_PENDING, _LOST = 0, 9
 
 _read_plan, _read_client = codec(TaskPlan).decode, codec(ClientGoal).decode
 _read_actions, _read_dispatches = codec(FrozenSet[Action]).decode, codec(List[Dispatch]).decode
@@ -102,9 +102,7 @@ class _Reader:
     def __init__(self, events: RunEvents, header: Header) -> None:
         """Report to ``events``, beginning with the program; raises RecordingError."""
         self._events, self._clock = events, _Clock()
-        self._clients: Dict[str, ClientGoal] = {}
-        self._ended: Set[str] = set()
-        self._states: Dict[str, Tuple[GoalState, bool]] = {}
+        self._clients: Dict[str, ClientGoal] = {}  # whose ends are not known yet
         self._returns: Set[str] = set()
         self._sent_returns = SentReturns()
         self._entries: Set[str] = set()  # names of the log's entries
@@ -115,61 +113,47 @@ class _Reader:
         if header.description:
             program = replace(RunProgram.parse(header.description), run=header.run)
             events.program(0.0, program.text())
+        events.goals(0.0, [])  # goals of the first state are news
 
     def take(self, moment: Moment) -> None:
         """Process the next state and its time."""
         state, time = moment.state, self._clock.at(moment.time)
-        self._arrivals(time, state)
+        found: Dict[str, ClientGoal] = {key: _read_client(value) for key, value in group(state, "client").items()}
+        dispatches: List[Dispatch] = _read_dispatches(state["execution:dispatches"])
+        sent = [action for one in dispatches for action in one.actions]
+        self._arrivals(time, found)
         if not self.first:
-            self._begin(time, state)
-        else:
-            self._running(time, state)
-            self._advance(time, state)
+            self.first, self._cycle = max(1, state["core:step"]), _latest(state)
+            self._sent_returns = SentReturns(one for one in sent if one.cycle < self._cycle)
+            self._entries.update(group(state, "log"))
+        ended = sorted(_read_actions(state["preemption:found"]))
+        self._events.dispatched(time, [*(str(one.atom) for one in sent), *(str(one.cancellation) for one in ended)])
+        self._accepted(time, state)
+        self._decided(time, state)
+        self._returned(time, [str(one.atom) for dispatch in dispatches for one in dispatch.returns])
         self._events.beliefs(time, state["core:step"], sorted(group(state, "believed")))
         self._events.mode(time, state["core:mode"])
-        self._statuses(time, state)
+        self._statuses(time, found, group(state, "goal"))
         self._events.clock(time)
 
-    def _begin(self, time: float, state: Record) -> None:
-        """Report the plan and the actions of the first state."""
-        self.first, self._cycle = max(1, state["core:step"]), _latest(state)
-        self._entries.update(group(state, "log"))
-        plan = state["core:plan"]
-        if plan is not None and (self._cycle or _read_plan(plan).actions):
-            self._decided(time, self.first, state)
-        sent = [one for dispatch in _dispatches(state) for one in dispatch.actions]
-        if sent:
-            self._sent_returns = SentReturns(one for one in sent if one.cycle < self._cycle)
-            self._events.dispatched(time, [str(one.atom) for one in sent])
-            self._running(time, state)
-
-    def _arrivals(self, time: float, state: Record) -> None:
+    def _arrivals(self, time: float, found: Mapping[str, ClientGoal]) -> None:
         """Report new goals and cancels."""
-        found: Dict[str, ClientGoal] = {key: _read_client(value) for key, value in group(state, "client").items()}
+        new = {key: client for key, client in found.items() if key not in self._clients}
+        for key, client in new.items():
+            stamp = client.stamp[0] + 1e-9 * client.stamp[1]
+            earlier = not self.first and 0.0 < stamp < time
+            self._events.goals(stamp if earlier else time, [GoalReport(key, client.text, _PENDING, "")])
         for key, client in found.items():
-            before = self._clients.get(key)
-            if before is None:
-                stamp = client.stamp[0] + 1e-9 * client.stamp[1]
-                earlier = not self.first and 0.0 < stamp < time
-                self._events.goal(stamp if earlier else time, key, client.text)
-            if client.cancelled and not (before is not None and before.cancelled):
+            if client.cancelled and (key in new or not self._clients[key].cancelled):
                 self._events.cancel(time, key)
-        self._clients.update(found)
-
-    def _running(self, time: float, state: Record) -> None:
-        """Report cancellations and returns of running actions."""
-        ended = sorted(_read_actions(state["preemption:found"]))
-        self._events.dispatched(time, [str(one.cancellation) for one in ended])
-        for dispatch in _dispatches(state):
-            self._returned(time, [str(one.atom) for one in dispatch.returns])
 
     def _returned(self, time: float, facts: List[str]) -> None:
         fresh = [text for text in facts if text not in self._returns]
         self._returns.update(fresh)
         self._events.returned(time, SOMEBODY, fresh)
 
-    def _advance(self, time: float, state: Record) -> None:
-        """Report a new cycle and its decisions."""
+    def _accepted(self, time: float, state: Record) -> None:
+        """Report the updates of a new cycle."""
         entries = {name: value for name, value in group(state, "log").items() if name not in self._entries}
         self._entries.update(entries)
         accepted = (entry_from_message(value) for value in entries.values() if value["do"] == "update")
@@ -180,13 +164,6 @@ class _Reader:
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
             self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
-        if self.has_update and state["core:step"] == self._cycle:  # else the core dropped an update
-            if state["core:plan"] not in (None, self._plan):
-                self._plan = state["core:plan"]
-                self._decided(time, self._cycle, state)
-            for dispatch in _dispatches(state):
-                if dispatch.cycle == self._cycle:
-                    self._events.dispatched(time, [str(one.atom) for one in dispatch.actions])
 
     def _effective_updates(self) -> List[StreamUpdate]:
         """Return the last update of each step, or all updates from the last restart of the program on."""
@@ -195,38 +172,36 @@ class _Reader:
             return self._updates[restarts[-1] :]
         return list({one.step: one for one in self._updates if (one.step or 1) > self._cycle}.values())
 
-    def _decided(self, time: float, cycle: int, state: Record) -> None:
-        """Report a plan, from ``cycle`` on, with the horizon of the adopted plan or of the last search."""
-        entries = list(group(state, "log").values())
-        plans = [one for one in entries if one["do"] == "adopt"]
-        horizon = int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
-        actions = [str(one.atom) for one in _read_plan(state["core:plan"]).actions if one.cycle >= cycle]
-        self._events.plan(time, cycle, horizon, actions)
+    def _decided(self, time: float, state: Record) -> None:
+        """Report a new plan, with the horizon of the adopted plan or of the last search."""
+        plan, step = state["core:plan"], state["core:step"]
+        if plan in (None, self._plan) or (self.has_update and step != self._cycle):  # the core has dropped an update
+            return
+        self._plan = plan
+        actions = [str(one.atom) for one in _read_plan(plan).actions if one.cycle >= step]
+        if self._cycle or actions:
+            entries = list(group(state, "log").values())
+            plans = [one for one in entries if one["do"] == "adopt"]
+            horizon = int((plans or [one for one in entries if one["do"] == "update"])[-1]["horizon"])
+            self._events.plan(time, max(1, step), horizon, actions)
 
-    def _statuses(self, time: float, state: Record) -> None:
+    def _statuses(self, time: float, found: Dict[str, ClientGoal], goals: Record) -> None:
         """Report the states of goals, and their ends."""
-        for key, goal in group(state, "goal").items():
-            state_now, waits = GoalState(goal["state"]), goal["waits"]
-            if key in self._clients and self._clients[key].cancelled:
-                state_now = TRANSITIONS.get((state_now, GoalEvent.CANCEL_REQUEST), state_now)
-            if self._states.get(key) != (state_now, waits):
-                self._states[key] = state_now, waits
-                self._events.status(time, key, state_now.number, "for its turn" if waits else "")
-        present = group(state, "client")
-        for key, client in self._clients.items():
-            if key in self._ended or (client.ending is None and key in present):
-                continue
-            self._ended.add(key)
-            if client.ending is None:
-                self._events.status(time, key, _LOST, "its end is not in the journal")
-            else:
-                self._events.status(time, key, client.ending.state.number, client.ending.message)
+        reports = [GoalReport(key, client.text, *_status(client, goals.get(key))) for key, client in found.items()]
+        lost = [(key, one) for key, one in self._clients.items() if key not in found and one.ending is None]
+        reports += [GoalReport(key, client.text, _LOST, "its end is not in the journal") for key, client in lost]
+        self._events.goals(time, reports)
+        self._clients = found
 
 
-def _dispatches(state: Record) -> List[Dispatch]:
-    """Return the actions of the present cycle and running ones of earlier cycles, with their returns."""
-    found: List[Dispatch] = _read_dispatches(state["execution:dispatches"])
-    return found
+def _status(client: ClientGoal, goal: Optional[Record]) -> Tuple[int, str]:
+    """Return actionlib's number and the reason of a goal's state; ``goal`` is None if the core does not have it."""
+    if client.ending is not None:
+        return client.ending.state.number, client.ending.message
+    state = GoalState.PENDING if goal is None else GoalState(goal["state"])
+    if client.cancelled:
+        state = TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state)
+    return state.number, "for its turn" if goal is not None and goal["waits"] else ""
 
 
 def _latest(state: Record) -> int:
