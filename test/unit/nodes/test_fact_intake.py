@@ -8,9 +8,9 @@ def test_fact_intake_announcements_delay_no_return(messages, monkeypatch):
     """The worker takes nothing during a search, while each interface announces itself once a second."""
     from rosoclingo.nodes.core import fact_intake
 
-    subscriber, core = MagicMock(), Mock()
+    subscriber, core, worker = MagicMock(), Mock(), Mock()
     monkeypatch.setattr(fact_intake.rospy, "Subscriber", subscriber)
-    intake = fact_intake.FactIntake(core, Mock(), Mock(), Mock(**{"connection_to.return_value": None}))
+    intake = fact_intake.FactIntake(core, Mock(), worker, Mock(**{"connection_to.return_value": None}))
     intake.connect()
 
     def hear(interface, *facts):
@@ -27,6 +27,8 @@ def test_fact_intake_announcements_delay_no_return(messages, monkeypatch):
     connection = threading.Thread(target=search, daemon=True)
     connection.start()
     connection.join(60.0)
-    intake.take()
+    intake.announce()
+    for call in worker.put.call_args_list:
+        call[0][0]()
     core.receive.assert_called_once_with("walk", ("_return(walk,2,1)",))
     assert sorted(call[0][0] for call in core.interfaces.announce.call_args_list) == ["hold", "walk"]

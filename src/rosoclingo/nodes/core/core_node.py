@@ -13,7 +13,7 @@ from rosoclingo.common.paced_clock import PacedClock
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
 from rosoclingo.nodes.core.fact_intake import FactIntake
-from rosoclingo.nodes.core.gathering import TOGETHER
+from rosoclingo.nodes.core.gathering import TOGETHER, Gathering
 from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
@@ -157,6 +157,7 @@ class CoreNode:
         self._recalled: List[str] = []  # keys of queued goals that were cancelled, until the journal records that
         self._last_time, self._last_cycle, self._fault = 0.0, 0.0, ""
         self._clock, self._register = PacedClock(), InterfaceRegister()
+        self._gathering = Gathering(time.monotonic())
         self._handles = GoalHandles(self._missing)
         program, odd = load_program(self._parameters)
         for warning in odd:
@@ -265,7 +266,7 @@ class CoreNode:
     def _add_goal(self, key: str, text: str) -> None:
         if key in self._arrivals:
             self._arrivals.discard(key)
-            self._facts.gathering.goal_arrived(time.monotonic())
+            self._gathering.goal_arrived(time.monotonic())
             self._core.add_goal(key, text)
 
     def _cancel_arrived(self, handle: ServerGoalHandle) -> None:
@@ -284,16 +285,16 @@ class CoreNode:
         self._core.cancel_goal(key)
 
     def _settle(self) -> Optional[float]:
-        self._facts.take()
+        self._facts.announce()
         self._tick()
         improvable = self._go_on()
         self._send()
         self._keeper.forget(self._results.expired())
         self._look_after_journal()
         self._tick()
-        if improvable or self._facts.waiting:
+        if improvable:
             return 0.0
-        if self._facts.gathering.expects(time.monotonic()):
+        if self._gathering.expects(time.monotonic()):
             return TOGETHER
         quiet = time.monotonic() - self._last_cycle >= 2 * PREPARING and not self._solvers.is_prefetching
         return IDLE if quiet else None
@@ -311,7 +312,7 @@ class CoreNode:
         self._core.poll(self._time())
         self._core.interfaces.look(time.monotonic())
         self._send()
-        while not self._ending and not self._facts.gather() and self._core.advance(self._time()):
+        while not self._ending and not self._gathers() and self._core.advance(self._time()):
             self._send()
             self._last_cycle = time.monotonic()
             if self._worker.waiting:  # a cancel that arrived during the search affects the next search
@@ -321,6 +322,10 @@ class CoreNode:
             self._core.prepare()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
+
+    def _gathers(self) -> bool:
+        """Return whether the next update waits for facts, goals or cancels that have arrived or are expected."""
+        return self._gathering.waits(time.monotonic(), self._worker.waiting)
 
     def _send(self) -> None:
         self._keeper.send(keep_ends=self._results.awaited)

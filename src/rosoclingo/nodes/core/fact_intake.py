@@ -1,6 +1,5 @@
 """The core's input of facts from the topic in_rosoclingo."""
 
-import time
 from typing import Any, Dict, NamedTuple, Set, Tuple
 
 import rospy
@@ -9,18 +8,13 @@ from rosoclingo.common.connections import limit_silence
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
 from rosoclingo.nodes.core.bounded_queue import BoundedQueue
-from rosoclingo.nodes.core.gathering import Gathering
 from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.keywords import shortened
 
-#: Limit in seconds of wall time that the worker spends on facts before other work.
-SLICE = 0.05
-
-
 #: Limit of one node's queued messages.
-MOST_WAITING = 20
+MOST_WAITING = 5
 
 #: Limit of the remembered and of the waiting announcements, by node and interface.
 MOST_ANNOUNCED = 10000
@@ -39,15 +33,11 @@ class _Sent(NamedTuple):
 
 
 class FactIntake:
-    """Queues facts until the worker takes them; the topic's callback only enqueues.
+    """Queues facts for the worker; the topic's callback only enqueues.
 
     Of the announcements of an interface, only the latest waits for the worker: they wake no worker, end no search, and
     delay no facts of their node, however long a search takes. If a node announces an interface over a new connection,
     but receives actions over the same one as before, its running actions are sent again.
-
-    Attributes:
-        gathering: decides whether the next update waits for messages that were sent together.
-
     """
 
     def __init__(self, core: Core, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
@@ -55,20 +45,10 @@ class FactIntake:
         self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
         self._announcements: Dict[Tuple[str, str], _Sent] = {}  # by node and interface
         self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
-        self.gathering = Gathering(time.monotonic())
 
     def connect(self) -> None:
         """Subscribe to facts."""
         self._inlet = rospy.Subscriber("in_rosoclingo", InterfaceIO, self._on_facts, tcp_nodelay=True)
-
-    @property
-    def waiting(self) -> bool:
-        """Whether facts are queued."""
-        return len(self._queue) > 0
-
-    def gather(self) -> bool:
-        """Return whether the next update waits for facts, goals or cancels."""
-        return self.gathering.waits(time.monotonic(), self.waiting or self._worker.waiting)
 
     @property
     def senders(self) -> Set[str]:
@@ -81,18 +61,20 @@ class FactIntake:
         if not message.facts:
             if len(self._announcements) < MOST_ANNOUNCED:
                 self._announcements[node, sent.interface] = sent
-        elif self._queue.put(node, sent):
-            self._worker.put(_wake)
+        else:
+            self._queue.put(node, sent)
+            self._worker.put(self._receive)
 
-    def take(self) -> None:
-        """Pass queued facts to the core, for at most SLICE seconds; called by the worker."""
-        for _ in range(len(self._announcements)):
-            self._announce(self._announcements.popitem()[1])
-        end = time.monotonic() + SLICE
-        while self._queue and time.monotonic() < end:
-            [message] = self._queue.take(1)
+    def _receive(self) -> None:
+        """Pass the oldest message to the core."""
+        for message in self._queue.take(1):
             self._core.interfaces.hear(message.interface)
             self._core.receive(message.interface, message.facts)
+
+    def announce(self) -> None:
+        """Pass the announcements to the core; called by the worker."""
+        for _ in range(len(self._announcements)):
+            self._announce(self._announcements.popitem()[1])
 
     def _announce(self, message: _Sent) -> None:
         self._register.announce(message.node, message.interface)
@@ -105,7 +87,3 @@ class FactIntake:
             limit_silence(self._inlet, message.connection)
             if outward is not None and outward is before[1]:
                 self._actions.send_again(message.interface)
-
-
-def _wake() -> None:
-    """Do nothing: any job makes the worker take facts."""
