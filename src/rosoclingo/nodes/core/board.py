@@ -29,7 +29,6 @@ class GoalBoard:
 
     def __init__(self) -> None:
         self._goals: Dict[str, GoalState] = {}  # in order of arrival; its messages are replaced, never changed
-        self._waits: Dict[str, str] = {}
         self._changed = False
         self._last = float("-inf")
         self._topic = prompt_publisher("~goals", GoalStates, 10, latch=True)
@@ -43,24 +42,16 @@ class GoalBoard:
         self._changed = True
         self.look(key, handle)
 
-    def waits(self, key: str, handle: ServerGoalHandle, why: str) -> None:
-        """Set the reason why a goal is queued, empty for a goal that is not."""
-        if why != self._waits.get(key, ""):
-            self._waits[key] = why
-            self.look(key, handle)
-
-    def look(self, key: str, handle: ServerGoalHandle) -> None:
-        """Update a goal's status from actionlib's server."""
+    def look(self, key: str, handle: ServerGoalHandle, waits: str = "") -> None:
+        """Update a goal's status from actionlib's server; ``waits`` is the reason why it is queued, if any."""
         before, found = self._goals[key], handle.get_goal_status()
         status, now = found.status, rospy.Time.now()
         accepted, ended = status in _ACCEPTED, status not in _OPEN
-        if ended:
-            self._waits.pop(key, None)
         self._goals[key] = GoalState(
             id=before.id,
             request=before.request,
             status=status,
-            reason=shortened(self._waits.get(key) or found.text, SHOWN),
+            reason=shortened(waits or found.text, SHOWN),
             came=before.came,
             since=before.since or (now if accepted else rospy.Time()),
             ended=now if ended else rospy.Time(),

@@ -72,7 +72,7 @@ class GoalHandles:
         handle = self._handles[event.key]
         if event.event is GoalEvent.ACCEPT:
             handle.set_accepted(_accepted(handle))
-        self.board.look(event.key, handle)
+        self._look(event.key)
 
     def recall(self, key: str, message: str) -> None:
         """End a goal that was cancelled before the core received it."""
@@ -90,8 +90,8 @@ class GoalHandles:
         handle = self._handles[event.key]
         handle.publish_feedback(feedback)
         if not event.waits and event.state in _ACCEPTED:
-            self._remark(event.key, handle, event.remark)
-        self.board.waits(event.key, handle, event.waits)
+            _set_remark(handle, event.remark)
+        self._look(event.key)
 
     def tick(self) -> None:
         """Publish changes; send feedback again if an interface has appeared or has gone."""
@@ -101,14 +101,10 @@ class GoalHandles:
             for event in [one for one in self._progress.values() if not one.waits]:
                 self.progress(event)
 
-    def _remark(self, key: str, handle: ServerGoalHandle, remark: str) -> None:
-        """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
-        text = f"{_accepted(handle)}: {remark}" if remark else _accepted(handle)
-        if text != handle.get_goal_status().text:
-            with handle.action_server.lock:
-                handle.status_tracker.status.text = text
-                handle.action_server.publish_status()
-            self.board.look(key, handle)
+    def _look(self, key: str) -> None:
+        """Update the state of an open goal for ``~goals``."""
+        progress = self._progress.get(key)
+        self.board.look(key, self._handles[key], "" if progress is None else progress.waits)
 
     def _end(self, key: str, ending: GoalEvent, outcome: Outcome, message: str) -> None:
         handle = self._handles.pop(key)
@@ -158,6 +154,15 @@ def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
         return client.ending.state.number
     state = GoalState.PENDING if goal is None else goal.state
     return (TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state).number
+
+
+def _set_remark(handle: ServerGoalHandle, remark: str) -> None:
+    """Set a new remark as the text of an accepted goal's status; actionlib has no function for this."""
+    text = f"{_accepted(handle)}: {remark}" if remark else _accepted(handle)
+    if text != handle.get_goal_status().text:
+        with handle.action_server.lock:
+            handle.status_tracker.status.text = text
+            handle.action_server.publish_status()
 
 
 def _accepted(handle: ServerGoalHandle) -> str:
