@@ -26,12 +26,16 @@ class AccountNode:
     ``with_state`` adds the program's beliefs. Messages are handled, and lines printed, by the thread that calls the
     methods; call :meth:`tick` often.
 
+    Attributes:
+        account: the account up to the last tick.
+
     Subscribes:
         CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
         out_rosoclingo, in_rosoclingo (rosoclingo/InterfaceIO), CORE/task_plan (rosoclingo/TaskPlan)
         rosoclingo/cancel (actionlib_msgs/GoalID), CORE/updates (std_msgs/String)
         packages (rosoclingo/PackageStates), base_pose_ground_truth (nav_msgs/Odometry)
         amcl_pose (geometry_msgs/PoseWithCovarianceStamped), /tf, /tf_static (tf2_msgs/TFMessage)
+
     """
 
     def __init__(
@@ -41,11 +45,11 @@ class AccountNode:
         core: str = USUAL,
         words: Optional[Sentences] = None,
     ) -> None:
-        self._account = Account(say, with_state=with_state)
-        self._topics = RunTopics(self._account)
+        self.account = Account(say, with_state=with_state)
+        self._topics = RunTopics(self.account)
         self._arrived: SimpleQueue[Tuple[float, str, Any]] = SimpleQueue()
         if words is not None:
-            self._account.sentences = words
+            self.account.sentences = words
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), get_message_class(kind), self._on_message, callback_args=topic, queue_size=None
@@ -60,29 +64,19 @@ class AccountNode:
         me = rospy.get_name()
         return all(is_delivered_to(me, one.name, allow_none=topic not in CORE_TOPICS) for topic, one in found)
 
-    def has_ended(self, key: str) -> bool:
-        """Return whether the goal with this id is known and has ended."""
-        return self._account.has_ended(key)
-
-    @property
-    def summary(self) -> Summary:
-        """The summary up to now."""
-        self.tick()
-        return self._account.summary
-
     def tick(self, wait: float = 0.0) -> None:
         """Print the lines that are due now; wait at most ``wait`` seconds of wall time for a message."""
         with suppress(Empty):
             self._take(*self._arrived.get(timeout=wait))
             while True:
                 self._take(*self._arrived.get_nowait())
-        self._account.clock(rospy.get_time())
+        self.account.clock(rospy.get_time())
 
     def finish(self) -> Summary:
         """End the account: print delayed lines, and return the summary."""
         self.tick()
-        self._account.finish()
-        return self._account.summary
+        self.account.finish()
+        return self.account.summary
 
     def _on_message(self, message: Any, topic: str) -> None:
         self._arrived.put((rospy.get_time(), topic, message))

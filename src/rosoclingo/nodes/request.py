@@ -1,19 +1,14 @@
 """The command ``request``: sends a goal to the core."""
 
-from functools import partial
-from typing import Callable
+from typing import Callable, Optional
 
 import rospy
 
-from rosoclingo.msg import ROSoClingoFeedback
 from rosoclingo.nodes.goal_client import GoalClient
 from rosoclingo.nodes.server_watch import Beginning
 from rosoclingo.nodes.words import words_of
-from rosoclingo.runs.events import SAID, reason_of, reason_suffix
+from rosoclingo.runs.events import SAID, reason_suffix
 from rosoclingo.runs.sentences import Sentences
-
-Line = Callable[[ROSoClingoFeedback], str]
-End = Callable[[GoalClient], str]
 
 #: Exit codes by outcome.
 EXIT_CODES = {"succeeded": 0, "canceled": 2, "rejected": 3, "aborted": 4, "lost": 5}
@@ -47,18 +42,16 @@ def request(text: str, server: str, wait: float, say: Callable[[str], None], pla
         say(f"no action server '{server}' within {wait:g} s: is the core running?{still}")
         return EXIT_CODES["lost"]
     words = words_of(goal.node) if plain else None
-    line = _line if words is None else partial(_plain_line, words)
-    end = _end if words is None else partial(_plain_end, words)
     goal.send(text)
-    return _follow(goal, line, end, say)
+    return _follow(goal, words, say)
 
 
-def _follow(goal: GoalClient, line: Line, end: End, say: Callable[[str], None]) -> int:
+def _follow(goal: GoalClient, words: Optional[Sentences], say: Callable[[str], None]) -> int:
     """Print news of a goal until it has ended; return the exit code."""
     said, cancelled, beginning = "", False, Beginning()
     while not goal.outcome:
         try:
-            text = beginning.line() or (line(goal.feedback) if goal.feedback is not None else "")
+            text = beginning.line() or _line(goal, words)
             if text and text != said:
                 said = text
                 say(text)
@@ -71,23 +64,23 @@ def _follow(goal: GoalClient, line: Line, end: End, say: Callable[[str], None]) 
             cancelled = True
             say(f"cancelling {goal.text} (Ctrl-C again: do not wait)")
             goal.cancel()
-    say(end(goal))
+    say(_end(goal, words))
     return EXIT_CODES[goal.outcome]
 
 
-def _plain_line(words: Sentences, feedback: ROSoClingoFeedback) -> str:
-    return words.now(feedback.cycle, feedback.status, feedback.task_plan[feedback.position :])
+def _line(goal: GoalClient, words: Optional[Sentences]) -> str:
+    """Return the latest feedback: the plan, or with ``words`` the current actions; empty before the first."""
+    feedback = goal.feedback
+    if feedback is None:
+        return ""
+    plan = feedback.task_plan[feedback.position :]
+    if words is not None:
+        return words.now(feedback.cycle, feedback.status, plan)
+    return f"cycle {feedback.cycle}, {feedback.status}: {' '.join(plan) or 'nothing to do'}"
 
 
-def _line(feedback: ROSoClingoFeedback) -> str:
-    plan = " ".join(feedback.task_plan[feedback.position :]) or "nothing to do"
-    return f"cycle {feedback.cycle}, {feedback.status}: {plan}"
-
-
-def _end(goal: GoalClient) -> str:
-    return f"{goal.outcome}: {goal.message}"
-
-
-def _plain_end(words: Sentences, goal: GoalClient) -> str:
-    reason = words.reason(goal.text, reason_of(goal.text, goal.message))
+def _end(goal: GoalClient, words: Optional[Sentences]) -> str:
+    if words is None:
+        return f"{goal.outcome}: {goal.message}"
+    reason = words.reason(goal.text, goal.message)
     return f"{words.goal(goal.text)}: {SAID[goal.outcome]}{reason_suffix(goal.outcome, reason)}"

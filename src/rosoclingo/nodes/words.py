@@ -13,17 +13,10 @@ from rosoclingo.runs.topic_names import full_name
 _WAIT = 10.0
 
 
-def words_in(program: str) -> Sentences:
-    """Return the sentences in a core's message ``~program``; none if the message is invalid."""
-    with suppress(RecordingError):
-        return sentences_of(RunProgram.parse(program))
-    return Sentences()
-
-
 def words_of(core: str) -> Sentences:
     """Return the sentences of a core's program; none if the core is not running or does not publish it in time."""
     topic = full_name("~program", core)
     if topic in (name for name, _ in rospy.get_published_topics()):
-        with suppress(rospy.ROSException):
-            return words_in(rospy.wait_for_message(topic, String, _WAIT).data)
+        with suppress(rospy.ROSException, RecordingError):
+            return sentences_of(RunProgram.parse(rospy.wait_for_message(topic, String, _WAIT).data))
     return Sentences()

@@ -5,7 +5,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, Point, Shape, text_shape, text_width
 from rosoclingo.reasoning.keywords import Action, shortened
-from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, reason_of, reason_suffix, status_word
+from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, reason_suffix, status_word
 from rosoclingo.runs.sentences import Sentences
 
 TITLE_SIZE = 0.5
@@ -86,7 +86,7 @@ def goals_text(goals: Sequence[GoalRow], sentences: Sentences) -> str:
 
 def _goal(request: str, word: str, message: str, sentences: Sentences) -> List[str]:
     """Return the lines of a goal, at most half of LINES."""
-    reason = sentences.reason(request, reason_of(request, message))
+    reason = sentences.reason(request, message)
     said = f"{SAID[word]}{reason_suffix(word, shortened(reason, 3 * LETTERS))}"
     text = f"{shortened(sentences.goal(request), LETTERS)}: {said}"
     return textwrap.wrap(text, LETTERS, subsequent_indent="    ", break_long_words=True)[: LINES // 2]

@@ -17,6 +17,7 @@ from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
+from rosoclingo.runs.account import Summary
 from rosoclingo.runs.orders import OrderError
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -67,7 +68,8 @@ class ScenarioPlayer:
         self._scenario = scenario
         self._say = say
         self._check = check
-        self.account = AccountNode(say)
+        self._node = AccountNode(say)
+        self.account = self._node.account
         self._connection = CoreConnection(partial(full_name, core=rospy.resolve_name(USUAL)))
         self._begun: Dict[int, float] = {}
         self._start: Optional[float] = None
@@ -95,8 +97,12 @@ class ScenarioPlayer:
         self.wait_until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
         server = f"no action server {USUAL}"
         self.wait_until(lambda: self._connection.is_connected_to(self._core), timeout, lambda: server)
-        self.wait_until(lambda: self.account.connected, timeout, lambda: "no connection to the core's topics")
+        self.wait_until(lambda: self._node.connected, timeout, lambda: "no connection to the core's topics")
         self._put_packages(timeout)
+
+    def finish(self) -> Summary:
+        """End the account, and return its summary."""
+        return self._node.finish()
 
     def play(self) -> None:
         """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout."""
@@ -145,7 +151,7 @@ class ScenarioPlayer:
 
     def _turn(self) -> None:
         self._check()
-        self.account.tick(_TURN)
+        self._node.tick(_TURN)
 
     def _elapsed_cycles(self) -> Dict[int, float]:
         start = self._start or 0.0

@@ -58,7 +58,7 @@ def run_scenario(
         wait_for_news(player, lambda: player.account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
-    summary = player.account.finish()
+    summary = player.finish()
     return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.goals))
 
 
