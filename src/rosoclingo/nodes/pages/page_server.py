@@ -47,7 +47,7 @@ class PageServer:
 
     ``look`` is called before each check for changes and returns further data for the page; ``view`` returns the view,
     which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers, or returns a function that
-    waits for the answer in a thread of its own; without ``take``, requests are refused.
+    waits for the answer in a thread of its own.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class PageServer:
         web: Path,
         access: Access,
         sockets: Sequence[socket.socket],
-        take: Optional[Callable[[Dict[str, Any]], Taken]] = None,
+        take: Callable[[Dict[str, Any]], Taken],
     ) -> None:
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         self.access = access
@@ -138,9 +138,8 @@ class PageServer:
             self._shown = view
             for viewer in self.viewers:
                 viewer.forget()
-        texts: Dict[Any, str] = {}
         for viewer in self.viewers:
-            viewer.send_news(view, self._extra, texts)
+            viewer.send_news(view, self._extra)
 
 
 def _check(handler: RequestHandler, server: PageServer) -> None:
@@ -245,9 +244,8 @@ class _Viewer(_PlainErrors, WebSocketHandler):
         now = time.monotonic()
         too_often = len(self._received) == MOST_MESSAGES and now - self._received[0] < WINDOW
         self._received.append(now)
-        if self._server.take is None or too_often:
-            words = "nothing can be ordered here"
-            self.close(1008, f"at most {MOST_MESSAGES} messages in {WINDOW:g} s" if too_often else words)
+        if too_often:
+            self.close(1008, f"at most {MOST_MESSAGES} messages in {WINDOW:g} s")
             return
         found = _read(message)
         if found is None:
@@ -271,20 +269,15 @@ class _Viewer(_PlainErrors, WebSocketHandler):
         """Remove the viewer."""
         self._server.viewers.discard(self)
 
-    def send_news(self, view: RunView, extra: Dict[str, Any], texts: Dict[Any, str]) -> None:
-        """Send the changes since the last message, also of ``extra``.
-
-        ``texts`` caches the messages of this turn for all viewers.
-        """
+    def send_news(self, view: RunView, extra: Dict[str, Any]) -> None:
+        """Send the changes since the last message, also of ``extra``."""
         seconds = {**extra, "seconds": int(view.seconds)}
         if self._busy or (self._known == view.revision and self._sent == seconds):
             return
         fresh = {name: value for name, value in extra.items() if name not in self._sent or self._sent[name] != value}
-        key = self._known, *fresh
-        if key not in texts:
-            changes = view.changes(max(0, self._known))
-            texts[key] = json.dumps({**changes, **fresh, "whole": self._known < 0}, separators=(",", ":"))
-        text, self._known, self._sent, self._busy = texts[key], view.revision, seconds, True
+        changes = {**view.changes(max(0, self._known)), **fresh, "whole": self._known < 0}
+        text = json.dumps(changes, separators=(",", ":"))
+        self._known, self._sent, self._busy = view.revision, seconds, True
         self._server.put(lambda: self._write(text))
 
     async def _write(self, text: str) -> None:
