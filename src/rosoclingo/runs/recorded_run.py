@@ -216,16 +216,11 @@ class RunCollector(RunEvents):
     def program(self, time: float, text: str) -> None:
         """Add the program of a core."""
         found = RunProgram.parse(text)
-        if self._runs and self._runs[-1].program is not None and self._runs[-1].program.run == found.run:
-            return
-        if (
-            self._runs
-            and self._runs[-1].program is None
-            and (self._runs[-1].start is not None or not self._runs[-1].latest)
-        ):
-            self._runs[-1].program = found
-            return
-        self._begin(found)
+        last = self._runs[-1] if self._runs else None
+        if last is not None and last.program is None and (last.start is not None or not last.latest):
+            last.program = found
+        elif last is None or last.program is None or last.program.run != found.run:
+            self._begin(found)
 
     def update(self, time: float, text: str) -> None:
         """Add an accepted update."""
