@@ -36,8 +36,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
-import yaml
-
 from rosoclingo.common.reading import MISSING, Reader, read_yaml
 
 #: The verbs of events: the description of their value, and the function that reads it.
@@ -100,18 +98,11 @@ class Scenario:
     @classmethod
     def from_file(cls, path: Path) -> "Scenario":
         """Read a scenario from a YAML file; raises ScenarioError with all faults."""
-        return cls._from(read_yaml(path, "scenario", ScenarioError))
+        return cls.read(read_yaml(path, "scenario", ScenarioError))
 
     @classmethod
-    def from_text(cls, text: str) -> "Scenario":
-        """Read a scenario from YAML; raises ScenarioError with all faults."""
-        try:
-            return cls._from(Reader(yaml.safe_load(text)))
-        except yaml.YAMLError as error:
-            raise ScenarioError(f"the text is not valid YAML: {error}") from error
-
-    @classmethod
-    def _from(cls, reader: Reader) -> "Scenario":
+    def read(cls, reader: Reader) -> "Scenario":
+        """Read a scenario; raises ScenarioError with all faults."""
         scenario = cls(
             title=reader.at("title").text(""),
             events=tuple(_event(one) for one in reader.at("events").items("a list of events", MISSING)),

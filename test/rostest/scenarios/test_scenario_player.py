@@ -12,10 +12,12 @@ from unittest import mock
 
 import rospy
 import rostest
+import yaml
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from std_msgs.msg import String
 
+from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.scenarios import player as scenario_player
 from rosoclingo.nodes.scenarios import playing
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
@@ -27,6 +29,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from interface_helpers import init_node, wait_until
 
 SCENARIO = "{title: test, events: [{time: 50.0, request: 'goal(office1,office2,1)'}], timeout: 20.0}"
+
+
+def read(text):
+    """Return the scenario in a text."""
+    return Scenario.read(Reader(yaml.safe_load(text)))
 
 
 class ScenarioPlayerTest(unittest.TestCase):
@@ -42,7 +49,7 @@ class ScenarioPlayerTest(unittest.TestCase):
         cls.clock.publish(Clock(rospy.Time(next(cls.seconds))))
 
     def play(self, check=lambda: None):
-        ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, check).play()
+        ScenarioPlayer(read(SCENARIO), [], print, check).play()
 
     def test_scenario_ends_if_time_stands_still(self):
         with mock.patch.object(scenario_player, "STILL", 0.5):
@@ -69,7 +76,7 @@ class ScenarioPlayerTest(unittest.TestCase):
                 peek[0] = next(cycles, 10)
 
         peek = [next(cycles)]
-        player = ScenarioPlayer(Scenario.from_text(text), [], print, go_on)
+        player = ScenarioPlayer(read(text), [], print, go_on)
         wait_until(lambda: player.cycle == 7, "the plan")
         wait_until(
             lambda: inlet.get_num_connections() > 0, "the player's facts to be heard"
@@ -84,11 +91,11 @@ class ScenarioPlayerTest(unittest.TestCase):
     def test_player_reports_a_cycle_that_does_not_come(self):
         text = "events: [{cycle: 5, facts: [a]}]"
         with mock.patch.object(scenario_player, "QUIET", 0.5):
-            player = ScenarioPlayer(Scenario.from_text(text), [], print, self.tick)
+            player = ScenarioPlayer(read(text), [], print, self.tick)
             self.assertRaisesRegex(PlayError, "never happened: in cycle 5 facts .*in cycle 1 of the", player.play)
 
     def test_player_reports_a_cancel_of_nothing(self):
-        player = ScenarioPlayer(Scenario.from_text("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
+        player = ScenarioPlayer(read("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
         self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
 
     def test_package_reported_after_the_last_goal_counts(self):
@@ -102,14 +109,14 @@ class ScenarioPlayerTest(unittest.TestCase):
         expect = {"packages": {"1": "office1"}}
         tell()
         self.assertTrue(account.summary.differences(expect))
-        player = ScenarioPlayer(Scenario.from_text(SCENARIO), [], print, tell)
+        player = ScenarioPlayer(read(SCENARIO), [], print, tell)
         playing.wait_for_news(player, lambda: account.summary, expect)
         self.assertEqual(account.summary.differences(expect), [])
 
     def test_scenario_ends_if_expected_news_never_come(self):
         account, expect = Account(print), {"robot": "office1"}
         with mock.patch.object(playing, "LATE_NEWS", 0.2):
-            player = ScenarioPlayer(Scenario.from_text(SCENARIO), [], print)
+            player = ScenarioPlayer(read(SCENARIO), [], print)
             playing.wait_for_news(player, lambda: account.summary, expect)
         self.assertEqual(account.summary.differences(expect), ["robot: expected office1, found "])
 

@@ -164,14 +164,19 @@ class ScenarioPlayer:
         return ", ".join([*map(str, waiting), *self._open_goals])
 
     def _do(self, event: ScenarioEvent) -> None:
-        actions = {"request": self._request, "cancel": self._cancel, "facts": self._publish, "call": self._call}
         try:
-            actions[event.verb](event)
+            if event.verb == "request":
+                self.goals[self._connection.send(event.value, event.client)] = event.value
+            elif event.verb == "facts":
+                self._connection.report(*map(str, event.value), origin=event.origin)
+            elif event.verb == "cancel":
+                self._cancel(event)
+            else:
+                call_service(event.value, event.fields)
+                fields = ", ".join(f"{key} {value}" for key, value in event.fields.items())
+                self._say(f"called {event.value}: {fields}")
         except OrderError as error:
             raise PlayError(f"{event}: {error}") from error
-
-    def _request(self, event: ScenarioEvent) -> None:
-        self.goals[self._connection.send(event.value, event.client)] = event.value
 
     def _cancel(self, event: ScenarioEvent) -> None:
         named = [key for key, text in self.goals.items() if _identifier(text) == str(event.value)]
@@ -179,13 +184,6 @@ class ScenarioPlayer:
             self._connection.cancel(named[-1])
         else:
             raise PlayError(f"{event}: no goal {event.value} was sent before")
-
-    def _publish(self, event: ScenarioEvent) -> None:
-        self._connection.report(*map(str, event.value), origin=event.origin)
-
-    def _call(self, event: ScenarioEvent) -> None:
-        call_service(event.value, event.fields)
-        self._say(f"called {event.value}: " + ", ".join(f"{key} {value}" for key, value in event.fields.items()))
 
     def _put_packages(self, timeout: float) -> None:
         for package, label in self._scenario.packages.items():
