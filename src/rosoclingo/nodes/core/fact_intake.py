@@ -1,5 +1,6 @@
 """The core's input of facts from the topic in_rosoclingo."""
 
+from functools import partial
 from typing import Any, Dict, NamedTuple, Set, Tuple
 
 import rospy
@@ -7,13 +8,13 @@ import rospy
 from rosoclingo.common.connections import limit_silence
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import InterfaceIO
-from rosoclingo.nodes.core.bounded_queue import BoundedQueue
+from rosoclingo.nodes.core.sender_limit import SenderLimit
 from rosoclingo.nodes.core.topics import CoreTopics
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.interface_register import InterfaceRegister
 from rosoclingo.reasoning.keywords import shortened
 
-#: Limit of one node's queued messages.
+#: Limit of one node's waiting messages.
 MOST_WAITING = 5
 
 #: Limit of the remembered and of the waiting announcements, by node and interface.
@@ -42,7 +43,7 @@ class FactIntake:
 
     def __init__(self, core: Core, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
         self._core, self._register, self._worker, self._actions = core, register, worker, actions
-        self._queue: BoundedQueue[_Sent] = BoundedQueue(MOST_WAITING)
+        self._limit = SenderLimit(MOST_WAITING)
         self._announcements: Dict[Tuple[str, str], _Sent] = {}  # by node and interface
         self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
 
@@ -61,15 +62,13 @@ class FactIntake:
         if not message.facts:
             if len(self._announcements) < MOST_ANNOUNCED:
                 self._announcements[node, sent.interface] = sent
-        else:
-            self._queue.put(node, sent)
-            self._worker.put(self._receive)
+        elif self._limit.enter(node):
+            self._worker.put(partial(self._receive, sent))
 
-    def _receive(self) -> None:
-        """Pass the oldest message to the core."""
-        for message in self._queue.take(1):
-            self._core.interfaces.hear(message.interface)
-            self._core.receive(message.interface, message.facts)
+    def _receive(self, message: _Sent) -> None:
+        self._limit.leave(message.node)
+        self._core.interfaces.hear(message.interface)
+        self._core.receive(message.interface, message.facts)
 
     def announce(self) -> None:
         """Pass the announcements to the core; called by the worker."""

@@ -1,6 +1,7 @@
 """The action server of the core, which reports goals to clients once they are in the journal."""
 
-from typing import Any, Callable, NamedTuple
+from collections import deque
+from typing import Any, Callable, Deque, NamedTuple
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -9,7 +10,7 @@ from actionlib.status_tracker import StatusTracker
 from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
-from rosoclingo.nodes.core.bounded_queue import BoundedQueue
+from rosoclingo.nodes.core.sender_limit import SenderLimit
 
 #: Limit of one node's queued goals and cancels.
 MOST_ARRIVALS = 100
@@ -35,6 +36,7 @@ _ENDS = {
 class _Arrival(NamedTuple):
     """A queued goal or cancel, and actionlib's function that processes it."""
 
+    node: str
     take: Callable[[], None]
     is_goal: bool
 
@@ -55,7 +57,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         self._arrived, self._ending = arrived, ending
         self._deferred = False  # whether a status has to be published once the queue is empty
         self._published = False  # whether the status of the present result is already published
-        self._arrivals: BoundedQueue[_Arrival] = BoundedQueue(MOST_ARRIVALS)
+        self._arrivals: Deque[_Arrival] = deque()
+        self._limit = SenderLimit(MOST_ARRIVALS)
         self._taking = False  # whether taken arrivals are not in the journal yet
 
     @property
@@ -66,35 +69,36 @@ class GoalServer(ActionServer):  # type: ignore[misc]
     def internal_goal_callback(self, goal: Any) -> None:
         """Queue a goal; called by rospy."""
         take = super().internal_goal_callback
-        self._put(goal, goal.goal_id.id, _Arrival(lambda: take(goal), is_goal=True))
+        self._put(goal, goal.goal_id.id, lambda: take(goal), is_goal=True)
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
         """Queue a cancel; called by rospy."""
         take = super().internal_cancel_callback
-        self._put(goal_id, goal_id.id, _Arrival(lambda: take(goal_id), is_goal=False))
+        self._put(goal_id, goal_id.id, lambda: take(goal_id), is_goal=False)
 
-    def _put(self, message: Any, key: str, arrival: _Arrival) -> None:
+    def _put(self, message: Any, key: str, take: Callable[[], None], is_goal: bool) -> None:
         """Queue an arrival, once its node is below its limit."""
         node = str(message._connection_header["callerid"])
         if len(key) > LONGEST_ID:
             text = "dropped a goal or cancel of %s: its id has more than %d characters"
             rospy.logwarn_throttle(10.0, text, node, LONGEST_ID)
-        elif self._arrivals.put(node, arrival):
+        elif self._limit.enter(node):
+            self._arrivals.append(_Arrival(node, take, is_goal))
             self._arrived()
 
     def take(self, keep: Callable[[], None]) -> None:
         """Process queued arrivals, and publish them after ``keep``; called by the worker."""
         self._taking = True
-        taken = self._arrivals.take(TURN)
-        for one in taken:
+        turn = min(TURN, len(self._arrivals))
+        for _ in range(turn):
+            one = self._arrivals.popleft()
+            self._limit.leave(one.node)
             one.take()
-        if taken:
+        if turn:
             keep()
         self._taking = False
         if self._deferred:
             self.publish_status()
-        if self._arrivals:
-            self._arrived()
 
     def publish_status(self) -> None:
         """Publish the status unless goals are queued; called by actionlib on each change and by its timer."""
@@ -102,7 +106,7 @@ class GoalServer(ActionServer):  # type: ignore[misc]
             if self._published:
                 return
             # in this order, as the worker sets _taking before it takes a goal from the queue
-            self._deferred = any(one.is_goal for one in self._arrivals.items) or self._taking
+            self._deferred = any(one.is_goal for one in list(self._arrivals)) or self._taking
             if not self._deferred:
                 super().publish_status()
 
