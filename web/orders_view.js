@@ -138,6 +138,7 @@ class OrdersView {
       }
       if (reported) this.facts.push({ text, words, line: this.model.log.length });
       this.notices.say(`${ordered ? "Ordered" : "Reported"}: ${words}`, false, ordered);
+      this.follow(); // the goal's state can have arrived before this answer
     });
   }
 
