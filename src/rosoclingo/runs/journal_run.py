@@ -102,7 +102,7 @@ class _Reader:
     def __init__(self, events: RunEvents, header: Header) -> None:
         """Report to ``events``, beginning with the program; raises RecordingError."""
         self._events, self._clock = events, _Clock()
-        self._clients: Dict[str, ClientGoal] = {}  # whose ends are not known yet
+        self._clients: Dict[str, ClientGoal] = {}  # of the last state
         self._returns: Set[str] = set()
         self._sent_returns = SentReturns()
         self._entries: Set[str] = set()  # names of the log's entries
