@@ -5,8 +5,8 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.runs.believed_places import CARRIED, believed_places
-from rosoclingo.runs.events import PENDING, SAID, reason_suffix
-from rosoclingo.runs.run_tables import Point
+from rosoclingo.runs.events import SAID, reason_suffix
+from rosoclingo.runs.run_tables import Point, Record
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_atoms import action_in
@@ -19,26 +19,15 @@ TOLERANCE = 0.5
 
 
 @dataclass
-class GoalAccount:
-    """The state of one goal, with actionlib's id as its ``key`` and the program's sentence for it as ``words``."""
-
-    text: str
-    status: str = PENDING
-    message: str = ""
-    key: str = ""
-    words: str = ""
-
-
-@dataclass
 class Summary:
     """The final state of a run.
 
-    ``packages`` maps each package to its label, "carried", or the name of one of several robots; ``robot`` is empty if
-    its place is unknown; ``robots`` has the places of several robots; ``seconds`` is the duration by the run's clock.
-    ``sentences`` are the program's.
+    ``goals`` are records of :class:`RunView`. ``packages`` maps each package to its label, "carried", or the name of
+    one of several robots; ``robot`` is empty if its place is unknown; ``robots`` has the places of several robots;
+    ``seconds`` is the duration by the run's clock. ``sentences`` are the program's.
     """
 
-    goals: List[GoalAccount] = field(default_factory=list)
+    goals: List[Record] = field(default_factory=list)
     actions: List[str] = field(default_factory=list)
     packages: Dict[str, str] = field(default_factory=dict)
     robot: str = ""
@@ -55,7 +44,7 @@ class Summary:
         ``sent`` are the keys of the scenario's goals, None for all goals of the run.
         """
         found: Dict[str, Any] = {
-            "goals": [goal.status for goal in self.goals if sent is None or goal.key in sent],
+            "goals": [one["states"][-1][1] for one in self.goals if sent is None or one["id"] in sent],
             "packages": {key: self.packages.get(key) for key in expect.get("packages", {})},
             "robot": self.robot,
             "robots": {name: self.robots.get(name) for name in expect.get("robots", {})},
@@ -65,9 +54,8 @@ class Summary:
 
     def lines(self) -> List[str]:
         """Return the summary as lines of text."""
-        goals = [
-            f"{one.words or one.text}: {SAID[one.status]}{reason_suffix(one.status, one.message)}" for one in self.goals
-        ]
+        ends = ((one["words"], *one["states"][-1][1:3]) for one in self.goals)
+        goals = [f"{words}: {SAID[status]}{reason_suffix(status, reason)}" for words, status, reason in ends]
         places = sorted(set(self.packages.values()))
         packages = ["packages {}: {}".format(place, ", ".join(self._at(place))) for place in places]
         robot = [f"robot: {self.robot}"] if self.robot else []
@@ -113,8 +101,7 @@ class Account(RunView):
         robot, actions = self._robot(believed.robot), list(self.dispatched_actions)
         robots = {name: self._place(position) for name, position in self.positions.items() if name}
         robots = robots or dict(believed.robots)
-        found = [_goal(one) for one in goals]
-        return Summary(found, actions, packages, robot, self.seconds, robots, self.sentences)
+        return Summary(goals, actions, packages, robot, self.seconds, robots, self.sentences)
 
     def _robot(self, believed: str) -> str:
         position = self.positions.get("")
@@ -124,11 +111,6 @@ class Account(RunView):
         labels = LabelTable(tuple(Label(name, *pose) for name, pose in self.about["labels"].items()))
         label = labels.nearest(*position, TOLERANCE)
         return "away from every label" if label is None else label.name
-
-
-def _goal(record: Mapping[str, Any]) -> GoalAccount:
-    _, status, reason, _ = record["states"][-1]
-    return GoalAccount(record["request"], status, reason, record["id"], record["words"])
 
 
 def _earlier(text: str, cycles: int) -> str:

@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from rosoclingo.common.reading import Reader
-from rosoclingo.runs.account import GoalAccount, Summary
+from rosoclingo.runs.account import Summary
 from rosoclingo.runs.scenario import Scenario, ScenarioError
 
 SHIPPED = sorted((Path(__file__).resolve().parents[3] / "config" / "scenarios").glob("*.yaml"))
@@ -45,7 +45,7 @@ expect: {goals: [canceled], packages: {1: office3}, robot: office2, actions: ["_
     assert scenario.packages == {"1": "office3"}
     assert (
         Summary(
-            [GoalAccount("g(1)", "canceled")],
+            [{"id": "a", "states": [[0.0, "canceled", "", ""]]}],
             ["_action_lib(go,x,1)"],
             packages={"1": "office3", "2": "x"},
             robot="office2",
