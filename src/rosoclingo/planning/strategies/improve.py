@@ -15,7 +15,7 @@ the next round of questions, see trim.py.
 
 from contextlib import suppress
 from random import Random
-from typing import Iterable, Iterator, Optional, Set, Tuple
+from typing import Callable, Iterable, Iterator, Optional, Set, Tuple
 
 import clingo
 
@@ -159,41 +159,42 @@ class Improvement:
             conflicts = min(conflicts * 2, MOST_CONFLICTS)
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
-        yield from self._shorter_plans(2 * conflicts)
+        yield from self._while_shorter(lambda: self._shorter_plans(2 * conflicts))
         if self._runner.actions_go_on:
-            yield from self._other_robots(2 * conflicts)
+            yield from self._while_shorter(lambda: self._other_robots(2 * conflicts))
         first = self._step + 1
         while first <= self._plan.horizon:
+            yield from self._while_shorter(lambda: self._reordered(conflicts))
             if self._length > 0:
-                yield from self._reordered(conflicts)
                 yield self._window(conflicts, first, first + size)
             if self._runner.program.optimizes:
                 yield self._window(conflicts, first, first + size, earlier=0)
             first = max(self._step + 1, first + size // 2)
 
-    def _shorter_plans(self, conflicts: int) -> Iterator[Question]:
-        """Yield questions about any plan, of half the length if the plan is long, while these shorten the plan."""
+    def _while_shorter(self, questions: Callable[[], Iterable[Question]]) -> Iterator[Question]:
+        """Yield ``questions`` about the plan again and again while they shorten it."""
         shortened = True
         while shortened and self._length > 0:
             horizon = self._plan.horizon
-            few = self._length <= FEW_STEPS
-            last = self._begin + self._length // 2 if self._length >= 2 * SIZE else horizon - 1
-            for advised in (True, False) if self._runner.program.advises and few else (True,):
-                yield Question(self._first, last, conflicts=conflicts, advised=advised)
+            yield from questions()
             shortened = self._plan.horizon < horizon
 
+    def _shorter_plans(self, conflicts: int) -> Iterator[Question]:
+        """Yield questions about any plan, of half the length if the plan is long."""
+        last = self._begin + self._length // 2 if self._length >= 2 * SIZE else self._plan.horizon - 1
+        few = self._length <= FEW_STEPS
+        for advised in (True, False) if self._runner.program.advises and few else (True,):
+            yield Question(self._first, last, conflicts=conflicts, advised=advised)
+
     def _other_robots(self, conflicts: int) -> Iterator[Question]:
-        """Yield questions about plans in which the robots that end last and one other are free, while these help."""
-        shortened = True
-        while shortened and self._length > 0:
-            horizon, actions = self._plan.horizon, self._plan.rest(self._step + 1).actions
-            robots = {one: robots_of(one.arguments[0]) for one in actions}
-            last = {robot for one in actions if cycle_of(one) == self._plan.last_cycle for robot in robots[one]}
-            for other in sorted({robot for some in robots.values() for robot in some} - last):
-                if self._plan.horizon == horizon:
-                    given = [(one, True) for one in actions if {*last, other}.isdisjoint(robots[one])]
-                    yield Question(self._first, horizon - 1, given, conflicts=conflicts)
-            shortened = self._plan.horizon < horizon
+        """Yield questions about plans in which the robots that end last and one other are free, until one helps."""
+        horizon, actions = self._plan.horizon, self._plan.rest(self._step + 1).actions
+        robots = {one: robots_of(one.arguments[0]) for one in actions}
+        last = {robot for one in actions if cycle_of(one) == self._plan.last_cycle for robot in robots[one]}
+        for other in sorted({robot for some in robots.values() for robot in some} - last):
+            if self._plan.horizon == horizon:
+                given = [(one, True) for one in actions if {*last, other}.isdisjoint(robots[one])]
+                yield Question(self._first, horizon - 1, given, conflicts=conflicts)
 
     def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
         """Return the question for a plan in which the steps from ``first`` to ``end - 1`` are free.
@@ -208,15 +209,11 @@ class Improvement:
         return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
-        """Yield questions about other orders of the tasks while these shorten the plan."""
-        shortened = True
-        while shortened:
-            horizon = self._plan.horizon
-            plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
-            if plan is not None:
-                given = [(action, True) for action in plan.actions]
-                yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
-            shortened = self._plan.horizon < horizon
+        """Yield a question about another order of the tasks."""
+        plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
+        if plan is not None:
+            given = [(action, True) for action in plan.actions]
+            yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
 
     @property
     def is_proven(self) -> bool:
