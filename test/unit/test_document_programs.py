@@ -86,14 +86,10 @@ def test_document_programs_smallest_program_needs_each_part(row):
     play(Driver(program.replace(text, *(other or [""])), solver=soon), script)
 
 
-def test_document_programs_need_a_cumulative_part():
+def test_document_programs_need_their_parts():
     program = programs(SMALLEST[0])[SMALLEST[1]]
     with pytest.raises(ProgramError, match="has no cumulative part"):
         Driver(program.replace("#program cumulative(t).", "#program base."))
-
-
-def test_document_programs_warn_about_a_missing_volatile_part():
-    program = programs(SMALLEST[0])[SMALLEST[1]]
     (warning,) = Driver(program.replace("#program volatile(t).", "#program base.")).program.warnings
     assert "has no volatile part" in warning
 

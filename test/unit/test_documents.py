@@ -60,8 +60,6 @@ def test_documents_index_has_every_page():
     listed = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
     assert set(PAGES) - {index} <= listed
 
-
-def test_documents_front_page_links_the_index():
     assert "doc/README.md" in {link.partition("#")[0] for link in links(ROOT / "README.md")}
 
 
@@ -87,9 +85,6 @@ def promises():
 def test_documents_reliability_promises_have_tests():
     assert len(promises()) > 20
     assert [row for row, names in promises() if not names] == []
-
-
-def test_documents_reliability_tests_exist():
     files = {path.name for folder in ("unit", "rostest") for path in (ROOT / "test" / folder).rglob("*.*")}
     suffix = {True: ".py", False: ".test"}
     named = [(row, name + suffix[name.startswith("test_")]) for row, names in promises() for name in names]
@@ -155,41 +150,23 @@ def module_of(path):
 
 
 def test_documents_drawing_shows_the_whole_way():
-    assert len(drawing()) > 10
-    assert [line for line in drawing() if not line[1]] == drawing()[:1], "one root"
-    assert {line[1] for line in drawing()} == {None, "-->", "..>", "==>", "~~>"}
+    lines = drawing()
+    assert len(lines) > 10
+    assert [line for line in lines if not line[1]] == lines[:1], "one root"
+    assert {line[1] for line in lines} == {None, "-->", "..>", "==>", "~~>"}
+    assert all((PACKAGE / line[2]).is_file() for line in lines)
 
 
-def drawn(arrow):
-    """Return the lines of the drawing with an arrow: (parent's file, file, words)."""
-    return [(parent, file, words) for parent, own, file, words in drawing() if own == arrow]
-
-
-def test_documents_drawing_files_exist():
-    assert all((PACKAGE / line[2]).is_file() for line in drawing())
-
-
-def test_documents_drawing_imports_are_imports():
-    for parent, file, _ in drawn("-->"):
-        assert imports(parent, file), (parent, file)
-
-
-def test_documents_drawing_handovers_come_from_the_root():
-    for parent, file, _ in drawn("..>"):
-        assert not imports(parent, file), f"{file} is an import: draw -->"
-        assert imports(drawing()[0][2], file), file
-
-
-def test_documents_drawing_processes_are_started_by_name():
-    for parent, file, _ in drawn("==>"):
-        assert not imports(parent, file), (parent, file)
-        assert module(file) in texts_of(parent), (parent, file)
-
-
-def test_documents_drawing_topics_are_named_at_both_ends():
-    for parent, file, words in drawn("~~>"):
-        topic = words.partition(":")[0].split()[-1]
-        assert topic in texts_of(parent) & texts_of(file), (topic, parent, file)
+def test_documents_drawing_arrows_are_in_the_code():
+    for parent, arrow, file, words in drawing()[1:]:
+        assert imports(parent, file) == (arrow == "-->"), (parent, file)
+        if arrow == "..>":
+            assert imports(drawing()[0][2], file), f"{file} is handed over by the root"
+        elif arrow == "==>":
+            assert module(file) in texts_of(parent), f"{parent} starts {file} by its name"
+        elif arrow == "~~>":
+            topic = words.partition(":")[0].split()[-1]
+            assert topic in texts_of(parent) & texts_of(file), (topic, parent, file)
 
 
 # ---- the solver's loop ----------------------------------------------------------------------------------------------
@@ -207,29 +184,16 @@ def lift():
     return ReactiveProgram.from_text(program), parse_updates(stream)
 
 
-def bounded(loop):
-    """Return the loop, which fails instead of looking ahead for ever."""
-
-    class Bounded(loop):
-        def grow(self):
-            assert self.horizon < 10
-            super().grow()
-
-    return Bounded
-
-
 def test_documents_solver_loop_runs():
     room = {}
     exec(code_of(solving.__doc__), room)  # noqa: S102 it is the code under test
     program, stream = lift()
-    loop, solver = bounded(room["Loop"])(program), ReactiveSolver(program)
+    loop, solver = room["Loop"](program), ReactiveSolver(program)
     answers = [sorted(map(str, loop.update(update))) for update in stream]
     assert answers == [["up(1)", "up(2)"], ["down(3)", "down(4)", "up(1)", "up(2)"]]
     assert loop.horizon == 4
     assert answers == [sorted(map(str, solver.update(update).answers[0])) for update in stream]
 
-
-def test_documents_solver_loop_is_short_and_names_siblings():
     assert len([line for line in code_of(solving.__doc__).splitlines() if line.strip()]) <= 40
     here = {path.name for path in (PACKAGE / "oclingo" / "solving").glob("*.py")}
     named = set(re.findall(r"(?<![/\w])\w+\.py\b", solving.__doc__))

@@ -3,8 +3,6 @@
 import json
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[2]
 LAYOUT = json.loads((ROOT / "config" / "foxglove.json").read_text())
 PANELS = LAYOUT["configById"]
@@ -24,13 +22,9 @@ def topics():
     return sorted(set(filter(None, names)))
 
 
-def test_foxglove_layout_places_each_panel_once():
+def test_foxglove_layout_has_documented_topics_in_panels():
     assert sorted(panels_in(LAYOUT["layout"])) == sorted(PANELS)
-
-
-@pytest.mark.parametrize("topic", topics())
-def test_foxglove_layout_topics_are_documented(topic):
-    assert f"`{topic}`" in PAGE or f"`{topic[1:]}`" in PAGE
+    assert [one for one in topics() if f"`{one}`" not in PAGE and f"`{one[1:]}`" not in PAGE] == []
 
 
 def test_foxglove_layout_commands_are_services_of_the_core():

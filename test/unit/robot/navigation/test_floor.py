@@ -13,10 +13,9 @@ from rosoclingo.checking.lint.linting import findings, lint_sources
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D, load_map
+from rosoclingo.robot.navigation import Costmap, CostmapLimits, load_map
 from rosoclingo.robot.navigation.floor import Floor, FloorError, floor_of, floor_program
 from rosoclingo.robot.navigation.grid import OccupancyGrid
-from rosoclingo.robot.navigation.inflated_ways import navfn_lengths
 
 ROOT = Path(__file__).resolve().parents[4]
 OFFICE = (ROOT / "worlds" / "office.yaml", ROOT / "config" / "office_labels.yaml")
@@ -75,12 +74,6 @@ def test_floor_numbers_distances_from_0(measure, value):
         floor_program(*map(str, OFFICE), CostmapLimits()._replace(**{measure: value}))
 
 
-def test_floor_finds_no_way_to_occupied_places(hall):
-    start, near, far = Pose2D(2.0, 3.0, 0.0), Pose2D(2.0, 0.5, 0.0), Pose2D(6.02, 1.0, 0.0)
-    assert navfn_lengths(hall, start, [near, far]) == [pytest.approx(2.5, rel=0.02), None]
-    assert navfn_lengths(hall, far, [start, near]) == [None, None]
-
-
 def test_floor_unreachable_label_has_no_distance(hall):
     floor = floor_of(hall, table(closet=(11.5, 3.0), left=(2.0, 3.0), right=(9.0, 3.0)))
     assert list(floor.distances) == [("left", "right")]
@@ -125,10 +118,6 @@ def test_floor_marks_facts_that_programs_can_ignore():
     assert findings(found, [("floor.lp", program)]) == []
 
 
-def test_floor_names_start_of_the_robot():
-    assert Floor(("a",), {}, (), "a").facts().endswith("\nstart(a).\n")
-
-
 @pytest.mark.slow
 def test_floor_command_prints_facts(tmp_path):
     script = [sys.executable, str(ROOT / "scripts" / "places")]
@@ -140,5 +129,3 @@ def test_floor_command_prints_facts(tmp_path):
     assert "labels.yaml: office1" in done.stderr
     done = subprocess.run([*script, *OFFICE, "--start", "office9"], capture_output=True, text=True, env=environment)
     assert (done.returncode, "unknown label office9" in done.stderr) == (1, True)
-    done = subprocess.run([*script, "no.yaml", str(OFFICE[1])], capture_output=True, text=True, env=environment)
-    assert (done.returncode, "no.yaml" in done.stderr) == (1, True)

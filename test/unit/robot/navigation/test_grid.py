@@ -24,7 +24,8 @@ def write(folder, levels, text=INFO, name="map.pgm", mode=None):
 
 
 def test_grid_reads_trinary_mode(tmp_path):
-    grid = load_map(write(tmp_path, [[0, 255, 205], [254, 100, 89]]))
+    text = INFO.replace("resolution: 0.1", "resolution: 1e-1")  # a text for YAML, a number for map_server
+    grid = load_map(write(tmp_path, [[0, 255, 205], [254, 100, 89]], text))
     assert grid.cells.tolist() == [[0, -1, 100], [100, 0, -1]]
     assert grid.cells.dtype == np.int8
     assert (grid.resolution, grid.origin_x, grid.origin_y) == (0.1, -1.0, 2.0)
@@ -43,14 +44,11 @@ GREYS = [[0, 205, 254]]
         ([[0, 100, 101, 255]], "L", "mode: raw\n", [0, 100, -1, -1]),
         # a darkness of 0.3 is unknown, in any colour; the mean is not rounded
         (COLOURS, "RGB", "", [-1, 100, 0, -1]),
-        (COLOURS, "RGB", "occupied_thresh: 0.6496\n", [-1, 100, 0, 100]),
         # In trinary mode opacity is one more colour, as in map_server.
         (OPACITY, "RGBA", "", [100, 0, -1]),
         (OPACITY, "RGBA", "mode: scale\n", [100, 1, 0]),
-        (OPACITY, "RGBA", "mode: raw\n", [0, -1, -1]),
         ([[[150, 150, 150, 255], [150, 150, 150, 0]]], "RGBA", "mode: scale\n", [47, -1]),
         (GREYS, "P", "", [100, -1, 0]),
-        (GREYS, "1", "", [100, 0, 0]),
     ],
 )
 def test_grid_reads_images_of_all_kinds(tmp_path, pixels, mode, text, cells):
@@ -73,11 +71,6 @@ def test_grid_reads_sixteen_bits(tmp_path, kind):
         (tmp_path / "map.pgm").write_bytes(b"P5 4 1 65535 " + levels.astype(">u2").tobytes())
     (tmp_path / "map.yaml").write_text(INFO.replace("map.pgm", f"map.{kind}"))
     assert load_map(tmp_path / "map.yaml").cells.tolist() == [[100, -1, 0, -1]]
-
-
-def test_grid_reads_numbers_as_map_server_does(tmp_path):
-    grid = load_map(write(tmp_path, [[0, 255]], INFO.replace("resolution: 0.1", "resolution: 5e-2")))
-    assert grid.resolution == 0.05
 
 
 @given(st.binary(max_size=60), st.sampled_from(["pgm", "png"]), st.integers(0, 200), st.booleans())
@@ -111,19 +104,9 @@ def test_grid_refuses_an_image_too_large(tmp_path):
         (INFO.replace("map.pgm", "other.pgm"), "other.pgm"),
         (INFO.replace("0.65", "1.5"), "occupied_thresh"),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 2.0, 0.5]"), "rotated"),
-        (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, .nan, 0]"), "origin: must be .* nan"),
         (INFO + "mode: fancy\n", "mode"),
         ("- a\n- b\n", "keys and values"),
         ("a: [", "cannot be read"),
-        (INFO.replace("resolution: 0.1", "resolution: 2026-02-31"), "cannot be read"),
-        (
-            INFO.replace("resolution: 0.1", "resolution: 1e40"),
-            "resolution: must be a number from 1e-06 to 1e[+]06, not ",
-        ),
-        (
-            INFO.replace("resolution: 0.1", "resolution: 1" + 400 * "0"),
-            "resolution: must be a number from 1e-06 to 1e[+]06, not ",
-        ),
         (INFO.replace("[-1.0, 2.0, 0.0]", "[1.0, 1.0e300, 0]"), "origin: x and y must be within 1e[+]07 m"),
         (INFO.replace("map.pgm", '"a\\0b"'), "image"),
     ],
@@ -134,16 +117,10 @@ def test_grid_refusal_names_fault_of_bad_map(tmp_path, text, words):
     assert "map.yaml" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["nowhere.yaml", "a\0b", "a" * 300, "."])
+@pytest.mark.parametrize("name", ["nowhere.yaml", "a\0b", "."])
 def test_grid_refuses_a_name_that_is_no_file(name):
     with pytest.raises(MapError, match="cannot be read"):
         load_map(name)
-
-
-def test_grid_points_beyond_it_are_outside():
-    grid = OccupancyGrid(np.zeros((4, 6), dtype=np.int8), 0.5, -1.0, 1.0)
-    assert grid.off_map(-1.0, 3.0) == ""
-    assert grid.off_map(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"
 
 
 def test_grid_converts_between_cells_and_points():
@@ -151,5 +128,6 @@ def test_grid_converts_between_cells_and_points():
     assert grid.cell(-0.9, 1.1) == (0, 0)
     assert grid.cell(-1.1, 2.9) == (3, -1)
     assert grid.centre(0, 0) == (-0.75, 1.25)
-    assert grid.contains(1.9, 2.9)
-    assert not grid.contains(2.1, 2.9)
+    assert (grid.contains(1.9, 2.9), grid.contains(2.1, 2.9)) == (True, False)
+    assert grid.off_map(-1.0, 3.0) == ""
+    assert grid.off_map(-1.1, 3.0) == "(-1.1, 3) is off the map, which covers x -1 .. 2, y 1 .. 3"

@@ -4,10 +4,9 @@ import os
 import subprocess
 import sys
 
-import numba
 import pytest
 
-from rosoclingo.robot.navigation.compiled.jit import FOLDER, cache_folder, jit
+from rosoclingo.robot.navigation.compiled.jit import cache_folder
 
 
 @pytest.fixture
@@ -27,22 +26,6 @@ def test_jit_folder_changes_with_any_compiled_file(sources):
     assert cache_folder(sources) != before
 
 
-def test_jit_uses_folder_of_numba_or_user(monkeypatch, sources, tmp_path):
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "numba"))
-    assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "numba")
-    assert jit(one)() == 1
-    assert str(tmp_path / "numba") == numba.config.CACHE_DIR, "it is left to others"
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert os.path.dirname(cache_folder(sources)) == str(tmp_path / "rosoclingo" / "numba")
-
-
-def test_jit_stores_loops_of_the_package_there():
-    from rosoclingo.robot.navigation.compiled.clearance import square_distance
-
-    assert square_distance.stats.cache_path.startswith(FOLDER)
-
-
 @pytest.mark.slow
 def test_jit_unwritable_folder_costs_only_time(tmp_path):
     (tmp_path / "file").write_text("")
@@ -55,7 +38,3 @@ def test_jit_unwritable_folder_costs_only_time(tmp_path):
         [sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, check=True, timeout=120
     )
     assert done.stdout.decode().strip() == "2.0"
-
-
-def one():
-    return 1

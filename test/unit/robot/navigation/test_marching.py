@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance, open_cells
@@ -63,25 +62,6 @@ def test_march_path_descends_wherever_cells_are_joined(occupied, data):
         assert found[math.floor(row + 0.5), math.floor(column + 0.5)] < np.inf
 
 
-def test_march_cost_is_path_length_on_empty_grid():
-    found = march(np.ones((41, 41), dtype=np.float32), 20, 20, -1, -1, GO_ON)
-    rows, columns = np.indices(found.shape)
-    away = np.hypot(rows - 20, columns - 20)
-    assert found[20, 30] == pytest.approx(10.0)
-    assert (found - away)[away > 5.0].max() < 1.2
-    assert (found - away).min() > -1e-9
-    way = descend(found, 3.3, 36.1, 20.0, 20.0)
-    assert np.hypot(*np.diff(way, axis=0).T).sum() == pytest.approx(math.hypot(16.7, 16.1), rel=0.02)
-
-
-def test_march_avoids_expensive_cells_if_cheaper():
-    costs = np.ones((40, 40), dtype=np.float32)
-    costs[5:35, 18:22] = 9.0
-    way = descend(march(costs, 20, 35, 20, 5, GO_ON), 20.0, 5.0, 20.0, 35.0)
-    inside = way[(way[:, 1] > 18.0) & (way[:, 1] < 21.5)]
-    assert (np.abs(inside[:, 0] - 20.0) > 14.0).all()
-
-
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 5.0), st.floats(0.01, 0.5))
 def test_march_simplified_path_stays_near_original(seed, spacing, tolerance):
     random = np.random.default_rng(seed)
@@ -106,16 +86,3 @@ def test_march_moves_points_away_by_half_a_cell(occupied, seed, enough):
     assert np.hypot(*(moved - points).T).max() <= 0.5 + 1e-9
     for before, after in zip(points, moved):
         assert min(enough, distance(occupied, *after)) >= min(enough, distance(occupied, *before)) - 1e-9
-
-
-@pytest.mark.parametrize("width", [4, 6])
-@pytest.mark.parametrize("turned", [False, True])
-def test_march_passes_gap_wide_enough_between_two_cells(width, turned):
-    occupied = np.zeros((30, 31), dtype=np.uint8)
-    occupied[12:15] = 1
-    occupied[:, 20 : 20 + width] = 0
-    occupied = np.ascontiguousarray(occupied.T) if turned else occupied
-    ends = ((5, 3), (25, 25)) if turned else ((3, 5), (25, 25))
-    for radius, found in ((0.5 * width - 0.1, True), (0.5 * width + 0.02, False)):
-        costs = np.where(open_cells(occupied, radius), 1.0, np.inf).astype(np.float32)
-        assert math.isfinite(march(costs, *ends[1], *ends[0], GO_ON)[ends[0]]) == found

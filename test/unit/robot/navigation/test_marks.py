@@ -1,17 +1,14 @@
 """How scans mark and clear cells of a costmap."""
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from navigation_worlds import room, simulation
+from navigation_worlds import room
 from occupied_grids import GRIDS, clearance_of, distance
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D
 from rosoclingo.robot.navigation.compiled.marks import count_scan, hits_apart
-from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec
 
 
 class Row:
@@ -53,14 +50,6 @@ def test_marks_ignore_a_few_rays_of_a_scan():
     assert not row.marks.any()
 
 
-def test_marks_treat_rare_hits_as_noise():
-    row = Row()
-    for _ in range(50):
-        row.scan(5.0)
-        row.scan(7.0, times=2)
-    assert not row.marks.any()
-
-
 def test_marks_skip_hits_on_or_near_the_map():
     row = Row()
     row.mapped[2, 5] = 1
@@ -85,22 +74,6 @@ def test_marks_isolated_hits_are_near_and_away_from_map(occupied, seed):
     good &= np.array([distance(occupied, *point) > 1.3 for point in points])
     padded = np.pad(good, 1)
     assert found == pytest.approx(points[good & padded[:-2] & padded[2:]])
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.01, 0.03])
-def test_marks_of_noise_are_few_before_obstacles(noise):
-    walls = [(1.0, 4.0, 2.0, 4.3), (4.0, 1.0, 4.4, 3.0)]
-    thing = ObstacleSpec("disc", (3.0, 4.5), radius=0.2)
-    laser = LaserSpec(range=6.0, noise=noise, beams=1081)
-    world = simulation(room(walls=walls), Pose2D(3.0, 3.0, 0.4), (), (thing,), laser)
-    costmap, robot = Costmap(world.spec.grid), world.robots["robot_0"]
-    for _ in range(30):
-        sensor = robot.pose.compose(robot.lasers[0].spec.pose)
-        costmap.observe(sensor, robot.lasers[0].angles, world.scan("robot_0").astype(np.float64), 6.0)
-    centres = [costmap.grid.centre(*cell) for cell in np.argwhere(costmap.marks)]
-    wrong = [one for one in centres if math.dist(one, thing.at) > thing.radius + 0.05 + 2.0 * noise]
-    assert len(centres) - len(wrong) >= 4
-    assert len(wrong) <= (0 if noise < 0.03 else 60)
 
 
 def look_at(costmap, smear=0.0, times=20, distance=2.0):

@@ -67,29 +67,6 @@ def test_touching_clearance_tells_contact_of_a_body(occupied, body, pose):
         assert gap < 1e-6
 
 
-def test_touching_discs_cover_footprint_edge_tightly():
-    body = Body(0.0, ((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.1, -0.3)))
-    discs, corners = small_discs(body, 0.05) * 0.05, np.array(body.footprint)
-    edge = (corners + np.linspace(0, 1, 500)[:, None, None] * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
-    assert ((np.hypot(*(edge[:, None] - discs[:, :2]).transpose(2, 0, 1)) - discs[:, 2]).min(axis=1) < 1e-9).all()
-    assert discs[:, 2].max() <= 0.0004
-
-
-def test_touching_marks_below_the_robot_are_forgotten():
-    costmap = Costmap(room())
-    for x in (3.0, 3.3):
-        angles = np.linspace(-0.01, 0.01, 5)
-        for _ in range(3):
-            costmap.observe(Pose2D(x - 1.0, 3.0), angles, np.full(5, 1.0), 6.0)
-    assert np.argwhere(costmap.marks[:, :64]).any()
-    costmap.forget_under(3.0, 3.0)
-    assert np.argwhere(costmap.marks)[:, 1].min() == 65
-    assert costmap.has_marks
-    costmap.forget_under(3.3, 3.0)
-    assert not costmap.has_marks
-    assert not costmap.occupied[60, 60:70].any()
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_touching_ghost_does_not_push_robot_into_wall(side):
     """A passage with 20 mm on either side, in which the laser wrongly sees a point at the robot's side."""

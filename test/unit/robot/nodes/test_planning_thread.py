@@ -68,19 +68,6 @@ def test_planning_thread_does_not_block_the_caller(parts):
     assert planning.answer() is None
 
 
-def test_planning_thread_cancels_a_dropped_request(parts):
-    planner, costmap, planning = parts
-    planning.ask(costmap, START, GOAL)
-    wait_until(lambda: planner.seen == [GOAL])
-    planning.ask(costmap, START, START)
-    wait_until(lambda: planner.seen == [GOAL, START])
-    planning.drop()
-    other = planning.submit(costmap, START, GOAL, 0.0)
-    planner.gate.set()
-    assert other.result(PATIENCE).outcome is PlanOutcome.FOUND
-    assert planning.answer() is None
-
-
 def test_planning_thread_never_plans_request_dropped_early(parts):
     planner, costmap, planning = parts
     other = planning.submit(costmap, START, START, 0.0)

@@ -76,17 +76,6 @@ def test_laser_along_cell_edges_and_from_corner():
         assert world.scan("a").max() < 2.6
 
 
-def test_laser_from_outside_of_the_map():
-    cells = np.zeros((10, 10), dtype=np.int8)
-    cells[5, 5] = 100
-    laser = LaserSpec(20.0, 360.0, 61, pose=Pose2D(3.0, 0.02))
-    robot = RobotSpec("a", Pose2D(0.2, 0.2), 0.05, lasers=(laser,))
-    world = Simulation(WorldSpec(OccupancyGrid(cells, 0.1, 0.0, 0.0), (robot,)))
-    for yaw in np.linspace(-3.0, 3.0, 13):
-        world.place("a", Pose2D(0.2, 0.2, float(yaw)))
-        check(world, "a", 0)
-
-
 @pytest.mark.parametrize("noise", [0.02, 5.0])
 def test_laser_noise_affects_hits_and_stays_within_range(noise):
     cells = np.zeros((80, 80), dtype=np.int8)
@@ -102,12 +91,3 @@ def test_laser_noise_affects_hits_and_stays_within_range(noise):
         hit = exact < 2.7
         assert np.abs((scans - exact)[:, hit].mean(axis=0)).max() < 5 * noise / math.sqrt(300)
         assert abs((scans - exact)[:, hit].std() / noise - 1.0) < 0.05
-
-
-def test_laser_noise_is_independent_per_laser():
-    twin = LaserSpec(noise=0.05)
-    grid = walled(0, 0.05, 0)
-    world = Simulation(WorldSpec(grid, (RobotSpec("a", Pose2D(1.5, 1.5), lasers=(twin, twin)),)))
-    assert (world.scan("a", 0) != world.scan("a", 1)).any()
-    with pytest.raises(WorldError, match="'a' has no laser 2; it has 2"):
-        world.scan("a", 2)

@@ -11,15 +11,11 @@ from rosoclingo.robot.navigation import Pose2D
 from rosoclingo.robot.simulation import (
     DoorSpec,
     ObstacleSpec,
-    RobotSpec,
-    Simulation,
     WorldError,
-    WorldSpec,
 )
 
 COMMANDS = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-4.0, 4.0)), min_size=1, max_size=40)
 STRONG = {"max_speed": 5.0, "max_turn": 9.0, "acceleration": 1e6, "turn_acceleration": 1e6}
-SQUARE = ((0.2, 0.15), (-0.2, 0.15), (-0.2, -0.15), (0.2, -0.15))
 
 
 def drive(world, commands):
@@ -30,16 +26,6 @@ def drive(world, commands):
         world.step()
         poses.append(robot.pose)
     return poses
-
-
-def test_simulation_robot_stopped_by_wall_stands_free():
-    """The wall ends at 0.1 m, the radius is 0.25 m."""
-    world = simulation(room(2.0, 2.0, 0.05), Pose2D(0.5, 0.5), laser=None, radius=0.25, **STRONG)
-    [pose] = drive(world, [(-2.0, 0.0)])
-    assert pose == pytest.approx((0.35, 0.5, 0.0))
-    world.place("robot_0", pose)
-    with pytest.raises(WorldError, match="wall"):
-        world.place("robot_0", pose._replace(x=pose.x - 1e-6))
 
 
 @given(COMMANDS)
@@ -69,24 +55,6 @@ def test_simulation_collision_stops_robot_and_is_reported_once():
     assert robot.stalled
     drive(world, [(-1.0, 0.0)])
     assert robot.pose.x < 2.65
-
-
-def test_simulation_robots_stop_and_see_each_other():
-    robots = (
-        RobotSpec("a", Pose2D(1.0, 1.0, 0.0)),
-        RobotSpec("b", Pose2D(3.0, 1.0, math.pi), footprint=SQUARE, radius=0.25),
-    )
-    world = Simulation(WorldSpec(room(), robots))
-    assert abs(world.scan("a")[135] - (3.0 - 0.2 - 1.05)) < 0.02
-    assert abs(world.scan("b")[135] - (3.0 - 0.05 - 1.18)) < 0.02
-    collisions = []
-    for _ in range(60):
-        world.command("a", 0.5, 0.0)
-        world.command("b", 0.5, 0.0)
-        collisions += world.step()
-    assert {c.robot for c in collisions} == {"a", "b"}
-    gap = world.robots["b"].pose.x - world.robots["a"].pose.x
-    assert 0.38 <= gap < 0.45
 
 
 def test_simulation_refuses_unknown_or_impossible_changes():

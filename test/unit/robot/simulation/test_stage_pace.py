@@ -34,6 +34,8 @@ def test_stage_pace_changes_speed_and_resolves_files():
     assert "window ( size [ 600 400 ] speedup 7 )" in text
     assert '# speedup 3 in a comment, and "half a text\n' in text
     assert paced_world(text, "/elsewhere", 10.0).count("speedup 10") == 1
+    with pytest.raises(WorldError, match="/no/such\\.world cannot be read: No such file"):
+        read_stage_world("/no/such.world")
 
 
 @pytest.mark.parametrize("name", ["office", "house"])
@@ -44,18 +46,12 @@ def test_stage_pace_changes_only_speed_of_shipped_worlds(name):
     assert different == [f'  bitmap "{ROOT}/worlds/{name}.pgm"']
 
 
-def test_stage_pace_reports_a_missing_world():
-    with pytest.raises(WorldError, match="/no/such\\.world cannot be read: No such file"):
-        read_stage_world("/no/such.world")
-
-
 @pytest.mark.parametrize(
     ("arguments", "command"),
     [
         ((1.0, False, []), ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "rosrun", "stage_ros", "stageros"]),
         ((1.0, True, ["-u"]), ["rosrun", "stage_ros", "stageros", "-u"]),
         ((0.0, False, ["-u"]), ["rosrun", "stage_ros", "stageros", "-g", "-u"]),
-        ((5.0, False, ["-g"]), ["rosrun", "stage_ros", "stageros", "-g"]),
     ],
 )
 def test_stage_pace_starts_the_expected_command(arguments, command):

@@ -49,58 +49,40 @@ def test_stage_world_files_are_up_to_date(source, tmp_path):
     assert (target.parent / bitmap).exists()
 
 
-def test_stage_world_map_covers_the_occupied_area():
-    text = stage_world(WorldSpec(grid_of(ROWS, 0.5), (RobotSpec(),)), "w.yaml", "m.pgm", "own.pgm").text
-    body = entity(text, "map")
-    # Columns 1 to 4 and rows 1 and 2 are occupied: 0.5 .. 2.5 m and 0.5 .. 1.5 m.
-    assert numbers(body, "size")[:2] == [2.0, 1.0]
-    assert numbers(body, "pose") == [1.5, 1.0, 0.0, 0.0]
-
-
 def test_stage_world_refuses_map_without_a_wall():
     with pytest.raises(WorldError, match=r"w\.yaml: map: no cell is occupied"):
         stage_world(WorldSpec(grid_of(["..", ".."]), (RobotSpec(),)), "w.yaml", "m.pgm", "own.pgm")
 
 
 def test_stage_world_has_the_robots():
+    rear = LaserSpec(2.0, 90.0, 7, pose=Pose2D(-0.1, 0.0, np.pi), min_range=0.1, noise=0.02)
+    lasers = (LaserSpec(4.0, 180.0, 19, rate=5.0), rear)
     robots = (
-        RobotSpec(
-            "a", Pose2D(1.0, 2.0, np.pi / 2), 0.25, lasers=(LaserSpec(4.0, 180.0, 19, rate=5.0),), max_turn=np.pi
-        ),
+        RobotSpec("a", Pose2D(1.0, 2.0, np.pi / 2), 0.25, lasers=lasers, max_turn=np.pi),
         RobotSpec("b", Pose2D(0.0, 0.0), footprint=((-0.3, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.3, 0.2)), lasers=()),
     )
     text = stage_world(WorldSpec(grid_of(ROWS), robots), "w.yaml", "m.pgm", "own.pgm").text
     disc, box = entity(text, "a"), entity(text, "b")
+    body = entity(text, "map")
+    # Columns 1 to 4 and rows 1 and 2 are occupied: 0.1 .. 0.5 m and 0.1 .. 0.3 m.
+    assert (numbers(body, "size")[:2], numbers(body, "pose")) == ([0.4, 0.2], [0.3, 0.2, 0.0, 0.0])
     assert numbers(disc, "pose") == [1.0, 2.0, 0.0, 90.0]
     assert numbers(disc, "size")[:2] == [0.5, 0.5]
     assert numbers(disc, "velocity_bounds")[-2:] == [-180.0, 180.0]
     corners = re.findall(r"point\[\d+\] \[ (\S+) (\S+) \]", disc)
     assert all(abs(np.hypot(float(x), float(y)) - 0.25) < 1e-6 for x, y in corners)
-    assert "fov 180 samples 19" in disc
-    assert "range [ 0 4 ]" in disc
+    height = numbers(disc, "size")[2]
+    front, rear = disc.split("ranger\n")[1:]
+    assert 0.0 < height + numbers(front, "pose")[2] < height, "it sees through its own body"
+    assert "fov 180 samples 19" in front
+    assert "range [ 0 4 ]" in front
     assert "update_interval 200" in disc
+    assert ("noise" in front, "noise [ 0.0004 0 0 ]" in rear) == (False, True), "Stage expects a variance"
+    assert "range [ 0.1 2 ] fov 90 samples 7" in rear
+    assert numbers(rear, "pose") == [-0.1, 0.0, -0.15, 180.0]
     assert numbers(box, "size")[:2] == pytest.approx([0.4, 0.4])
     assert numbers(box, "origin")[:2] == pytest.approx([-0.1, 0.0])
     assert "ranger" not in box
-
-
-def test_stage_world_has_several_lasers_and_noise():
-    """Stage expects a variance."""
-    lasers = (LaserSpec(4.0, noise=0.02), LaserSpec(2.0, 90.0, 7, pose=Pose2D(-0.1, 0.0, np.pi), min_range=0.1))
-    text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a", lasers=lasers),)), "w.yaml", "m.pgm", "own.pgm").text
-    first, second = entity(text, "a").split("ranger\n")[1:]
-    assert "noise [ 0.0004 0 0 ]" in first
-    assert "noise" not in second
-    assert "range [ 0.1 2 ] fov 90 samples 7" in second
-    assert numbers(second, "pose") == [-0.1, 0.0, -0.15, 180.0]
-
-
-def test_stage_world_laser_sees_through_its_own_body():
-    text = stage_world(WorldSpec(grid_of(ROWS), (RobotSpec("a"),)), "w.yaml", "m.pgm", "own.pgm").text
-    body = entity(text, "a")
-    height = numbers(body, "size")[2]
-    ranger = body[body.index("ranger") :]
-    assert 0.0 < height + numbers(ranger, "pose")[2] < height
 
 
 def test_stage_world_has_closed_doors_and_obstacles():

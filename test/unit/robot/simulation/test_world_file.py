@@ -44,9 +44,10 @@ def test_world_file_is_read_completely(world):
             robots=[
                 {"pose": [1, 1, 0], "laser": {"range": 4, "beams": 5, "pose": [0.1, 0]}, "drift": [0.1, 0.2]},
                 {"name": "b", "pose": [2, 2], "footprint": [[0.3, 0.4], [-0.3, 0], [0, -0.3]], "laser": False},
+                {"name": "c", "pose": [3, 3], "radius": "1e-1", "lasers": [{"beams": 5}, {"angle": 90}]},
             ],
             doors=[{"name": "d", "from": [0, 0], "to": [1, 0], "open": False}],
-            obstacles=[{"name": "o", "at": [3, 3], "radius": 0.2}, {"name": "p", "at": [3, 1], "box": [0.2, 0.3]}],
+            obstacles=[{"name": "o", "at": [1, 3], "radius": 0.2}, {"name": "p", "at": [3, 1], "box": [0.2, 0.3]}],
             packages=[{"id": 1, "at": "office1"}, {"id": "mail", "at": [1, 2]}],
         )
     )
@@ -56,25 +57,12 @@ def test_world_file_is_read_completely(world):
     assert spec.robots[0].drift == (0.1, 0.2)
     assert spec.robots[1].lasers == ()
     assert spec.robots[1].radius == pytest.approx(0.5)
+    assert spec.robots[2].lasers == (LaserSpec(beams=5), LaserSpec(angle=90.0))
+    assert spec.robots[2].radius == 0.1
     assert spec.doors == (DoorSpec("d", (0.0, 0.0), (1.0, 0.0), False),)
-    assert spec.obstacles == (ObstacleSpec("o", (3.0, 3.0), 0.2), ObstacleSpec("p", (3.0, 1.0), 0.0, Box(0.2, 0.3)))
+    assert spec.obstacles == (ObstacleSpec("o", (1.0, 3.0), 0.2), ObstacleSpec("p", (3.0, 1.0), 0.0, Box(0.2, 0.3)))
     assert spec.packages == (PackageSpec("1", "office1"), PackageSpec("mail", (1.0, 2.0)))
     Simulation(spec).step()
-
-
-def test_world_file_with_several_lasers_and_textual_numbers(world):
-    robots = load_world(
-        world(
-            robots=[
-                {"pose": [1, 1], "lasers": [{"beams": 5}, {"angle": 90}]},
-                {"pose": [2, 2], "lasers": []},
-                {"pose": [3, 3], "laser": None, "radius": "1e-1"},
-            ]
-        )
-    ).robots
-    assert robots[0].lasers == (LaserSpec(beams=5), LaserSpec(angle=90.0))
-    assert robots[1].lasers == robots[2].lasers == ()
-    assert robots[2].radius == 0.1
 
 
 @pytest.mark.parametrize(
@@ -88,27 +76,19 @@ def test_world_file_with_several_lasers_and_textual_numbers(world):
             r"robots\[0\].radius: must be a number from 0.01 to 1000, not -1",
         ),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
-        ({"robots": [{"pose": [1, 1], "laser": {"angle": 400}}]}, r"robots\[0\].laser.angle"),
         ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is used twice"),
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
-        ({"obstacles": [{"name": "o", "at": [1, 1], "radius": 1, "box": [1, 1]}]}, r"obstacles\[0\]"),
         ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
-        ({"interval": 0}, "interval: must be a number from 0.001 to 10, not 0"),
         ({"seed": 10**400}, "seed: must be an integer of at least 0, not 1000"),
         ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint:.* on a line"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [1e9, 2]]}]}, r"robots\[0\].footprint: a corner"),
-        (
-            {"robots": [{"pose": [1, 1], "laser": {"beams": 10**9}}]},
-            r"robots\[0\].laser.beams: must be an integer from 2 to 100000, not 1000000000",
-        ),
         ({"robots": [{"pose": [1, 1], "laser": {"min_range": 9}}]}, r"robots\[0\].laser.min_range: must be less than"),
         ({"robots": [{"pose": [1, 1], "laser": {}, "lasers": []}]}, r"robots\[0\].lasers: .* not both"),
         ({"obstacles": [{"name": "o", "at": [1, 1], "box": [1, -1]}]}, r"obstacles\[0\]: the width and depth"),
         ({"extra": 1}, "unknown key 'extra'; keys are map, robots"),
         ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),
         ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
-        ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 4.1]}]}, r"doors\[0\].to: \(1, 4.1\) is off the map"),
         ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 0]}]}, r"doors\[0\]: has the length 0"),
         ({"obstacles": [{"name": "o", "at": [5, 1], "radius": 1}]}, r"obstacles\[0\].at: \(5, 1\) is off the map"),
         ({"packages": [{"id": 1, "at": [5, 5]}]}, r"packages\[0\].at: \(5, 5\) is off the map"),
@@ -120,7 +100,10 @@ def test_world_file_refusal_names_its_fault(world, changes, words):
     assert "world.yaml" in str(caught.value)
 
 
-def test_world_file_reports_all_faults_at_once(world):
+def test_world_file_reports_all_faults_at_once(world, tmp_path):
+    with pytest.raises(WorldError, match="cannot be read"):
+        load_world(tmp_path / "nowhere.yaml")
+    assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40), "another map"
     path = world(map="nowhere.yaml", seed=-1, robots=[{"pos": [1, 1]}, {"pose": [1, 1], "laser": {"beems": 3}}])
     with pytest.raises(WorldError) as caught:
         load_world(path)
@@ -154,14 +137,3 @@ def test_world_file_refuses_robot_inside_an_obstacle(world, tmp_path, changes, w
     (tmp_path / "walled.yaml").write_text((tmp_path / "map.yaml").read_text().replace("map.pgm", "walled.pgm"))
     with pytest.raises(WorldError, match=f"world.yaml: robots: robot {words}.*change the pose"):
         load_simulation(str(world(**changes)))
-
-
-def test_world_file_refuses_other_text_and_missing_file(tmp_path):
-    (tmp_path / "world.yaml").write_text("a: [")
-    for name in ("world.yaml", "nowhere.yaml"):
-        with pytest.raises(WorldError, match="cannot be read"):
-            load_world(tmp_path / name)
-
-
-def test_world_file_map_can_be_replaced(world, tmp_path):
-    assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40)

@@ -52,20 +52,6 @@ def test_world_state_restores_positions_at_rest():
     assert (after.scan("second") == before.scan("second")).all(), "the laser's surroundings are restored, too"
 
 
-def test_world_state_is_a_valid_parameter():
-    def check(value):
-        if isinstance(value, dict):
-            assert all(isinstance(key, str) for key in value)
-            value = list(value.values())
-        if isinstance(value, list):
-            for one in value:
-                check(one)
-        else:
-            assert type(value) in (bool, float)
-
-    check(world_state(lived_in()))
-
-
 @pytest.mark.parametrize(
     ("change", "text"),
     [
