@@ -63,26 +63,3 @@ def back(view, time, action, value, cycle):
     text = f"_return({action.split('(')[1].split(',')[0]},{value},{cycle})"
     view.returned(time, "tests", [text])
     view.update(time, f"#step {cycle + 1}.\n:- not {action}.\n{text}.\n#end step.\n")
-
-
-def long_run(goals=200):
-    """Return many consecutive goals, each a minute long, with ten robot poses per second."""
-    view = RunView({"labels": LABELS, "title": "Many goals"})
-    cycle = 0
-    for number in range(goals):
-        start, key = 60.0 * number, f"key {number}"
-        view.goal(start, key, f"goal(office1,office2,{number})")
-        for step in range(6):
-            cycle, time = cycle + 1, start + 10.0 * step
-            where = ("office1", "office2")[step % 2]
-            view.update(time, f"#step {cycle}.\n_request(goal(office1,office2,{number}),{cycle + 1}).\n#end step.\n")
-            plan = [f"_action_lib(move_base,{where},{cycle + ahead})" for ahead in range(30)]
-            view.plan(time, cycle, cycle + 30, plan, (0.01, 0.02))
-            view.dispatched(time, plan[:1])
-            for tick in range(80):
-                view.pose(time + 0.1 * tick, 1.0 + 0.05 * (tick if step % 2 else 80 - tick), 1.0, 0.0)
-            view.returned(time + 9.0, "tests", [f"_return(move_base,{where},{cycle})"])
-            view.beliefs(time, cycle, [f"at({where},{cycle})", *(f"lies({one})" for one in range(20))])
-        view.status(start + 58.0, key, 3 if number % 10 else 4, "it is over")
-    view.finish()
-    return view

@@ -42,17 +42,6 @@ def test_database_changes_nothing_if_a_transaction_fails(database):
     assert database.fault == ""
 
 
-def test_database_is_due_some_time_after_a_failure(database):
-    assert not database.is_due(100.0)
-    database.path.parent.write_text("in the way")
-    assert database.run(words, 100.0) is None
-    assert "folder" in database.fault
-    assert [database.is_due(now) for now in (100.0, 101.9, 102.0)] == [False, False, True]
-    database.path.parent.unlink()
-    assert database.run(words, 102.0) == []
-    assert not database.is_due(200.0)
-
-
 def test_database_that_is_damaged_is_set_aside(database):
     database.path.parent.mkdir()
     database.path.write_bytes(b"nonsense " * 1000)

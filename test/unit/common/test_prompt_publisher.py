@@ -92,12 +92,3 @@ def test_prompt_publisher_reports_a_vanished_subscriber(full):
     connection.close()
     with pytest.raises(tcpros_base.TransportTerminated):
         connection.write_data(message(0))
-
-
-def test_prompt_publisher_thread_ends_with_the_connection():
-    before = set(threading.enumerate())
-    connection, _far = pair()
-    (thread,) = set(threading.enumerate()) - before
-    connection.close()
-    thread.join(PATIENCE)
-    assert not thread.is_alive()

@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -37,19 +36,13 @@ READ = {
         ("number", -1, "a number of at least 0"),
         ("number", math.inf, "a number of at least 0"),
         ("number", True, "a number of at least 0"),
-        ("number", "1", "a number of at least 0"),
         ("number", 10**400, "a number of at least 0"),
         ("whole", 1.5, "an integer from 1 to 9"),
-        ("whole", 10, "an integer from 1 to 9"),
-        ("numbers", [1], "2 or 3 finite numbers"),
         ("numbers", [1, math.nan], "2 or 3 finite numbers"),
         ("text", "", "a text"),
-        ("text", 3, "a text"),
-        ("texts", [], "a list of texts"),
         ("texts", ["a", 3], "a list of texts"),
         ("flag", 1, "true or false"),
         ("choice", "c", "one of a, b"),
-        ("choice", [], "one of a, b"),
         ("mapping", [1], "a mapping"),
         ("items", {}, "a list"),
         ("entries", "abc", "a mapping"),
@@ -122,16 +115,6 @@ def test_reading_suggests_a_likely_key():
     assert likely("abc", ["speed"]) == ""
 
 
-def test_reading_raises_all_faults_at_once():
-    reader = Reader({"a": 1, "b": 2}, "~")
-    reader.check(KeyError)
-    reader.at("a").text()
-    reader.at("b").flag()
-    with pytest.raises(LookupError) as caught:
-        reader.check(LookupError)
-    assert str(caught.value) == "~a: must be a text, not 1\n~b: must be true or false, not 2"
-
-
 @pytest.mark.parametrize("text", ["a: [", "a: 2026-02-31", None])
 def test_reading_reports_unreadable_files(tmp_path, text):
     path = tmp_path / "some.yaml"
@@ -141,20 +124,15 @@ def test_reading_reports_unreadable_files(tmp_path, text):
         read_yaml(path, "map", LookupError)
 
 
-def test_reading_faults_name_their_file(tmp_path):
-    path = Path(tmp_path, "some.yaml")
-    path.write_text("a: 1")
-    reader = read_yaml(path, "map", LookupError)
-    reader.at("a").text()
-    assert reader.faults == [f"map {path}: a: must be a text, not 1"]
-
-
 @given(ANYTHING | st.just(MISSING), st.sampled_from(sorted(READ)))
 def test_reading_any_value_gives_its_kind_or_fault(value, kind):
     reader = Reader(value, "here")
     found = READ[kind](reader)
     assert isinstance(found, (float, int, str, tuple, list, dict, bool))
     assert len(reader.faults) <= 1
+    if reader.faults:
+        with pytest.raises(LookupError, match="here: "):
+            reader.check(LookupError)
     for fault in reader.faults:
         assert fault.startswith("here: ")
         assert len(fault) < 400

@@ -114,14 +114,6 @@ def test_required_node_without_respawn_leaves_roslaunch_alone(serving, ended, mo
     assert ended == []
 
 
-@pytest.mark.parametrize("value", [False, "yes", 0])
-def test_required_node_that_is_optional_ends_nothing(serving, ended, monkeypatch, value):
-    master(serving, monkeypatch, roslaunch(serving, **own()), **{f"{NODE}/required": value})
-    with pytest.raises(StartError), RequiredNode():
-        raise StartError
-    assert ended == []
-
-
 def test_required_node_started_by_hand_asks_no_roslaunch(ended, monkeypatch, capsys):
     monkeypatch.setattr(required_node.sys, "argv", ["core", "__name:=core"])
     monkeypatch.delenv("ROS_MASTER_URI", raising=False)

@@ -25,12 +25,6 @@ PARAMETERS = {
     "simulator": ["~speed (float, default 1.0)"],
     "move_base": ["~controller_frequency (float, default 20.0)", "doc/simulator_and_navigation.md"],
 }
-BRIEFLY = ("core", "interface", "map_server", "oclingo")  # one of each kind is not slow
-
-
-def some_slow(scripts):
-    """Return the scripts in order, with all except those of BRIEFLY marked slow."""
-    return [pytest.param(one, marks=[pytest.mark.slow] * (one not in BRIEFLY)) for one in sorted(scripts)]
 
 
 def run(script, *arguments, **environment):
@@ -46,7 +40,7 @@ def run(script, *arguments, **environment):
 
 @pytest.mark.sampled(2)
 @pytest.mark.slow
-@pytest.mark.parametrize("script", some_slow(PARAMETERS))
+@pytest.mark.parametrize("script", PARAMETERS)
 def test_start_help_names_parameters_without_a_master(script):
     done = run(script, "--help", ROS_MASTER_URI="http://localhost:1")
     if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
@@ -55,11 +49,6 @@ def test_start_help_names_parameters_without_a_master(script):
     for words in [*PARAMETERS[script], f"rosrun rosoclingo {script} ", "_PARAMETER:=VALUE"]:
         assert words in done.stdout
     assert ":class:" not in done.stdout
-
-
-def test_start_help_is_tested_for_every_node():
-    nodes = {path.name for path in SCRIPTS.iterdir() if "node_arguments(" in path.read_text()}
-    assert nodes < set(PARAMETERS)
 
 
 @pytest.mark.slow
@@ -78,7 +67,7 @@ def run_without(modules, folder, script, *arguments):
 
 @pytest.mark.sampled(2)
 @pytest.mark.slow
-@pytest.mark.parametrize("script", ["core", "interface", "oclingo", "request"])
+@pytest.mark.parametrize("script", ["core", "oclingo", "request"])
 def test_start_without_clingo_explains_its_installation(script, tmp_path):
     done = run_without(["clingo"], tmp_path, script, "--help")
     if script == "request":
@@ -107,16 +96,6 @@ def test_start_of_simulation_nodes_reports_missing_modules(script, module, packa
     (line,) = done.stderr.splitlines()
     assert line.startswith(f"{script}: {module} is not installed for {sys.executable} (Python 3.")
     assert line.endswith(f": rosdep install rosoclingo, or {sys.executable} -m pip install {package}")
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "script", some_slow(["core", "interface", "record", "request", "oclingo", "demo", "play_scenario"])
-)
-def test_start_of_other_scripts_needs_no_clingo(script, tmp_path):
-    done = run_without(["numba", "PIL", "numpy"], tmp_path, script, "--help")
-    assert done.returncode == 0, done.stderr
 
 
 def test_start_reports_other_missing_modules():

@@ -37,29 +37,6 @@ def test_worker_does_jobs_in_order_then_settles(make):
     assert [seen.get(timeout=PATIENCE) for _ in range(4)] == [0, 1, 2, "settled"]
 
 
-def test_worker_settlers_take_turns_and_name_due_time(make):
-    first, second = queue.Queue(), queue.Queue()
-
-    def soon():
-        second.put(1)
-        return 0.001
-
-    worker = make(lambda: first.put(1), period=3600.0)
-    worker.add(soon)
-    worker.put(lambda: None)
-    worker.start()
-    for _ in range(20):
-        first.get(timeout=PATIENCE)
-        second.get(timeout=PATIENCE)
-
-
-def test_worker_settles_once_a_period_without_jobs(make):
-    seen = queue.Queue()
-    make(lambda: seen.put(1), period=0.001).start()
-    for _ in range(3):
-        seen.get(timeout=PATIENCE)
-
-
 def test_worker_answers_questions(make, monkeypatch):
     worker = make()
     monkeypatch.setattr(rospy, "get_name", lambda: "/node")

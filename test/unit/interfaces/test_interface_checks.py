@@ -34,11 +34,6 @@ def test_check_requires_one_matching_array_element(package, carried, lying):
     assert holds(OFFICE, LYING, scope(package)) is lying
 
 
-def test_check_requires_all_fields_in_same_element():
-    assert holds(OFFICE, {"status": {"name": "1", "message": "office3"}}, scope(Number(1)))
-    assert not holds(OFFICE, {"status": {"name": "cup", "message": "office3"}}, scope(Number(1)))
-
-
 def test_check_that_cannot_be_filled_is_undecided():
     assert holds(OFFICE, {"status": {"name": "$2"}}, scope(Number(1))) is None
     assert holds(OFFICE, {"status": {"name": "$parameter.frame"}}, scope(Number(1))) is None

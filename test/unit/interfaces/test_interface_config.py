@@ -84,30 +84,18 @@ def test_interface_config_with_all_keys_is_read():
             {**TYPE, "returns": [{"facts": ["seen", 'heard("${text},now)']}]},
             r"arm.returns\[0\].facts\[1\]: .*not a ground atom",
         ),
-        ({**TYPE, "returns": [{"facts": ["heard(${text},Now)"]}]}, r"arm.returns\[0\].facts\[0\]: .*Now is a variable"),
         ({**TYPE, "done": {"topic": "state"}}, "arm.done.type: is missing: give a message type like"),
         ({**TYPE, "done": {"type": "std_msgs/Int32"}}, "arm.done.topic: is missing: give the name of a topic"),
-        (
-            {**TYPE, "done": {"topic": "a", "type": "Int32"}},
-            "arm.done.type: must be a message type like .*, not 'Int32'",
-        ),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {}}}, "arm.done.when: names no field"),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {"x": "$status"}}}, "arm.done.when.x: no .status"),
         ({**TYPE, "returns": [{"stratus": "aborted"}]}, r"arm.returns\[0\]: unknown key 'stratus' \(did you mean"),
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(did you mean \$parameter\?\); known are"),
-        ({**TYPE, "sever": "x"}, r"arm: unknown key 'sever' \(did you mean server\?\); keys are type, server"),
         ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
-        ({**TYPE, "retry_on": "failed"}, "arm.retry_on: must be a list"),
         (
             {**TYPE, "returns": [{"status": "lost"}]},
             r"arm.returns\[0\].status: must be one of succeeded, .*, not 'lost'",
         ),
         ({**TYPE, "returns": [{"text": "("}]}, r"arm.returns\[0\].text: '\(' is not a regular expression"),
-        ({**TYPE, "returns": [{"when": {"x": "/(/"}}]}, r"arm.returns\[0\].when.x: '\(' is not a regular expression"),
-        (
-            {**TYPE, "returns": [{"text": "[[a-z]"}]},
-            r"arm.returns\[0\].text: later versions of Python read .* '\[\[a-z\]' .*: Possible nested set",
-        ),
         (
             {**TYPE, "returns": [{"when": {"x": "/[a-z&&b]/"}}]},
             r"arm.returns\[0\].when.x: .* '\[a-z&&b\]' .* put a backslash .*: Possible set intersection at position 4",
@@ -132,14 +120,12 @@ FLEET = {
     ("data", "values", "fault"),
     [
         (None, {}, "is missing: give a mapping of interface names"),
-        ([1], {}, "must be a mapping"),
         ({}, {}, "has no entries; write one"),
         ({"Left Arm": TYPE}, {}, "Left Arm: the name must be the ASP term"),
         ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
         ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
         ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
         ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
-        ({"Arm(R)": FLEET}, {"R": ["r1"]}, r"Arm\(R\): the name must be the ASP term"),
     ],
 )
 def test_interface_config_has_entries_whose_variables_have_values(data, values, fault):
@@ -169,7 +155,6 @@ def test_interface_config_without_values_knows_the_instances():
     [
         (["r1"], "~values: must be a mapping of variables to values"),
         ({"R": "r1"}, "~values.R: must be a list of values such as"),
-        ({"R": []}, "~values.R: must be a list of values such as"),
         ({"robot": ["r1"]}, "~values: robot is not a variable: begin it with a capital"),
         ({"R": ["robot(1)"]}, r"~values: 'robot\(1\)' for R is not a constant: write one such as r1"),
     ],

@@ -76,12 +76,9 @@ def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data
     [
         ("rejected", False, "failed(rejected)"),
         ("rejected", True, "rejected"),
-        ("left", False, "failed(left,rejected)"),
         ("left", True, "failed(left,rejected)"),
         ("failed(rejected)", False, "failed(rejected)"),
-        ("right", False, "right"),
         ("blocked(left)", False, "failed(blocked(left),rejected)"),
-        ("blocked(right)", False, "blocked(right)"),
     ],
 )
 def test_facts_keep_return_and_extra_facts_apart(reason, succeeded, value):
@@ -128,11 +125,8 @@ def test_facts_cancellation_names_the_same_action():
         ("_action_lib(move_base,X,1)", "is not a ground atom"),
         ("", "is not a ground atom"),
         ("_action_lib(move_base,office2)", "not of the form"),
-        ("_cancel(move_base,office2)", "not of the form"),
-        ("go(move_base,office2,1)", "not of the form"),
         ("-_action_lib(move_base,office2,1)", "not of the form"),
         ("_action_lib(move_base,office2,now)", "cycle 'now' is not a positive integer"),
-        ("_action_lib(move_base,office2,-1)", "cycle '-1' is not a positive integer"),
         ("_action_lib(pickup,office2,1)", "is for pickup, but was sent to move_base"),
     ],
 )
@@ -147,16 +141,15 @@ def test_facts_any_text_is_command_or_fact_error(text):
         parse_command(text, "move_base")
 
 
-def test_facts_terms_become_values():
+def test_facts_terms_become_values_and_back():
     assert as_text(String("two words")) == "two words"
     assert as_text(Function("f", [Number(1), String("a")])) == 'f(1,"a")'
-    assert as_text(True) == "true"
-    assert as_integer(Number(-3)) == as_integer("-3") == as_integer(-3) == -3
-    assert as_real(String("0.25")) == as_real(0.25) == 0.25
-    assert as_real(Number(2)) == 2.0
-    assert as_boolean(Function("true")) is True
-    assert as_boolean(Number(0)) is False
-    assert as_boolean(False) is False
+    assert as_integer(Number(-3)) == as_integer("-3") == -3
+    assert (as_real(String("0.25")), as_real(Number(2))) == (0.25, 2.0)
+    assert (as_boolean(Function("true")), as_boolean(Number(0)), as_text(True)) == (True, False, "true")
+    assert (as_term(OFFICE2), as_term(3), as_term(True)) == (OFFICE2, Number(3), Function("true"))
+    assert as_term("at(office2,3)") == Function("at", [OFFICE2, Number(3)])
+    assert as_term("Office 3") == String("Office 3")
 
 
 @pytest.mark.parametrize(
@@ -165,20 +158,10 @@ def test_facts_terms_become_values():
         (as_integer, Function("a")),
         (as_integer, String("0.5")),
         (as_integer, True),
-        (as_real, Function("a")),
         (as_real, String("nan")),
-        (as_real, True),
         (as_boolean, Number(2)),
     ],
 )
 def test_facts_unsuitable_values_are_reported(convert, value):
     with pytest.raises(TermError):
         convert(value)
-
-
-def test_facts_values_become_terms():
-    assert as_term(OFFICE2) is OFFICE2
-    assert as_term(3) == Number(3)
-    assert as_term("at(office2,3)") == Function("at", [OFFICE2, Number(3)])
-    assert as_term("Office 3") == String("Office 3")
-    assert as_term(True) == Function("true")

@@ -63,18 +63,14 @@ def test_goal_run_rejects_only_impossible_events():
         (Phase.SENT, ActionEvent.EXPIRED, "server_lost"),
         (Phase.RUNNING, ActionEvent.ENDED, None),
         (Phase.RUNNING, ActionEvent.EXPIRED, "timeout"),
-        (Phase.RUNNING, ActionEvent.CANCEL, None),
         (Phase.RUNNING, ActionEvent.SERVER_LOST, "server_lost"),
         (Phase.RUNNING, ActionEvent.SHUTDOWN, "interface_lost"),
         (Phase.ENDING, ActionEvent.ENDED, None),
-        (Phase.ENDING, ActionEvent.PREEMPTED, None),
         (Phase.ENDING, ActionEvent.EXPIRED, "server_lost"),
         (Phase.ENDING, ActionEvent.SERVER_LOST, "server_lost"),
-        (Phase.RUNNING, ActionEvent.PREEMPTED, None),
         (Phase.YIELDING, ActionEvent.EXPIRED, None),
         (Phase.YIELDING, ActionEvent.SERVER_LOST, "server_lost"),
         (Phase.DONE, ActionEvent.SERVER_LOST, "preempted"),
-        (Phase.DONE, ActionEvent.SHUTDOWN, "preempted"),
     ],
 )
 def test_goal_run_verdicts_follow_the_table(phase, event, verdict):
@@ -127,14 +123,11 @@ def test_goal_run_waits_for_starting_server_with_one_report():
     assert run.tick(later(wall=99.0 + 4.9)) is Effect.NOTHING
     assert run.tick(later(wall=99.0 + 5.0)) is Effect.FINISH
     assert run.verdict == "server_lost"
-
-
-def test_goal_run_server_that_never_starts_is_lost():
     run = run_in(Phase.WAITING)
     for second in range(1, int(START_TIME) + 10):
         run.wait_on(later(wall=second))
         run.tick(later(wall=second))
-    assert run.verdict == "server_lost"
+    assert run.verdict == "server_lost", "it never starts"
 
 
 def test_goal_run_timeout_counts_from_sending_and_ends_run():
@@ -155,18 +148,6 @@ def test_goal_run_waits_for_server_busy_with_others(phase):
     assert run.handle(ActionEvent.PREEMPTED, START) is Effect.NOTHING
     assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(2.0, 0.1)) is Effect.FINISH
-
-
-def test_goal_run_unwanted_action_skips_the_pause():
-    assert run_in(Phase.YIELDING).handle(ActionEvent.CANCEL, later(0.1)) is Effect.FINISH
-    assert run_in(Phase.ENDING).handle(ActionEvent.PREEMPTED, later(0.1)) is Effect.FINISH
-
-
-def test_goal_run_clock_starts_with_first_clock_message():
-    run = run_in(Phase.RUNNING, now=Instant(0.0, 0.0))
-    assert run.tick(Instant(0.0, 1.0)) is Effect.NOTHING
-    assert run.tick(Instant(5000.0, 2.0)) is Effect.NOTHING
-    assert run.tick(Instant(5010.0, 3.0)) is Effect.CANCEL
 
 
 @given(

@@ -4,7 +4,7 @@ import re
 from types import SimpleNamespace
 
 import pytest
-from clingo import Function, Number
+from clingo import Function
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,7 +17,6 @@ from rosoclingo.interfaces.templates import (
     ActionScope,
     FillError,
     GoalEnd,
-    Now,
     evaluate,
     faults,
     label_references,
@@ -37,19 +36,13 @@ def scope(parameter="office2", ended=ABORTED):
     ("template", "parameter", "value"),
     [
         ("$parameter", "office2", Function("office2")),
-        ("${parameter}", "7", Number(7)),
-        ("$1", "office2", Function("office2")),
-        ("$2", "put(cup,table)", Function("table")),
         ("$2.1", "put(cup,on(table))", Function("table")),
         ("$parameter.x", "office2", 3.0),
         ("$1.frame", "at(office2,9)", "map"),
         ("$cycle", "office2", 5),
         ("box_${1}_of_${cycle}", "7", "box_7_of_5"),
         ("costs $$5", "a", "costs $5"),
-        ("plain", "a", "plain"),
-        (3.5, "a", 3.5),
-        ([1, "$parameter"], "a", [1, Function("a")]),
-        ({"a": {"b": "$parameter"}}, "a", {"a": {"b": Function("a")}}),
+        ({"a": [1, "$parameter"]}, "a", {"a": [1, Function("a")]}),
         ("$parameter.pose", "office2", LABELS["office2"]),
     ],
 )
@@ -58,19 +51,13 @@ def test_template_values_are_filled(template, parameter, value):
     assert evaluate(template, scope(parameter)) == value
 
 
-def test_template_now_is_filled_in_later():
-    assert isinstance(evaluate("$now", scope()), Now)
-
-
 @pytest.mark.parametrize(
     ("template", "parameter", "error"),
     [
         ("$2", "office2", FillError),
-        ("$3", "f(a,b)", FillError),
         ("$1.1", "office2", FillError),
         ("$parameter.pose", "office9", UnknownLabelError),
         ("to ${parameter.pose}", "office2", FillError),
-        ("at ${now}", "office2", FillError),
         ("$result.location", "office2", FillError),
     ],
 )
@@ -84,9 +71,7 @@ def test_template_reports_fields_that_an_action_lacks(template, parameter, error
     [
         ("$paramter", r"no \$paramter \(did you mean \$parameter\?\); known are \$parameter, \$cycle, \$now, \$1"),
         ("$0", r"argument numbers of at least 1"),
-        ("$1.0", r"argument numbers of at least 1"),
         ("$parameter.colour", r"then one of pose, x, y, yaw, frame"),
-        ("$parameter.pose.x", r"then one of"),
         ("$cycle.x", r"\$cycle has no .x"),
         ("for $5 only", r"write \$name alone"),
         ("$result.x", r"no \$result.x"),
@@ -116,13 +101,9 @@ def test_template_answers_can_refer_to_the_end():
         ("succeeded", "office2"),
         ("aborted", "failed"),
         ("rejected", "rejected"),
-        ("preempted", "preempted"),
         ("recalled", "preempted"),
-        ("timeout", "timeout"),
         ("server_lost", "server_lost"),
-        ("interface_lost", "interface_lost"),
         ("unknown_label", "unknown_label"),
-        ("bad_parameter", "bad_parameter"),
     ],
 )
 def test_template_default_return_terms(status, value):
@@ -150,9 +131,6 @@ def test_template_adds_facts_and_terms_from_result():
     assert str(given.value) == "office4"
     assert given.facts == ("at(office4,5)",)
     assert len(given.warnings) == 1
-
-
-def test_template_answer_that_cannot_be_filled_falls_back():
     given = answer((Rule("$result.missing"),), scope(ended=GoalEnd("aborted", "", RESULT)))
     assert str(given.value) == "failed"
     assert "the result has no missing" in given.warnings[0]
@@ -205,12 +183,9 @@ def test_template_bare_text_is_one_term_or_reported(words):
 @pytest.mark.parametrize(
     ("words", "template", "fact", "warning"),
     [
-        ("two words", 'heard("${text}",now)', 'heard("two words",now)', ""),
-        ("", 'heard("${text}",now)', 'heard("",now)', ""),
         ("a\0b\udc80", 'heard("${text}",now)', 'heard("a\ufffdb\ufffd",now)', ""),
         ("f(a, b)", "heard(${text},now)", "heard(f(a,b),now)", ""),
         ("hall", "heard_${text}(${cycle})", "heard_hall(5)", ""),
-        ("hall", "${text}(now)", "hall(now)", ""),
         ("seen(hall)", "$text", "seen(hall)", ""),
         ("hall", 'heard("$$${text}","${1}",now)', 'heard("$hall","office2",now)', ""),
         (
@@ -219,11 +194,7 @@ def test_template_bare_text_is_one_term_or_reported(words):
             None,
             "${text} is 'two words', which is not a term: write \"${text}\", within quotes",
         ),
-        ("a,b", "heard(${text},now)", None, "is not a term"),
-        ("a),evil(b", "heard(${text})", None, "is not a term"),
-        ("", "heard(${text},now)", None, "${text} is '', which is not a term"),
         (0.5, "heard(${result.message},now)", None, "${result.message} is '0.5', which is not a term"),
-        (float("inf"), "heard(${result.message},now)", None, "which is not a term"),
         ("a(b", "heard_${text}(now)", None, "which is not part of a name"),
         ("two words", "$text", None, "is not a ground atom"),
     ],
@@ -235,33 +206,9 @@ def test_template_server_words_in_a_fact(words, template, fact, warning):
 
 
 @pytest.mark.parametrize(
-    ("words", "template", "value"),
-    [
-        ("hall", '"${text}"', '"hall"'),
-        ("a,b", "heard(${text})", "office2"),
-        ("a b", "at_${text}", '"at_a b"'),
-        ("a", "at_${text}", "at_a"),
-        ("a", "no way: ${text}", '"no way: a"'),
-        ('"', "no way: ${text}", '"no way: \\""'),
-        ("hall", "$text", "hall"),
-        ("a,b", "$text", '"a,b"'),
-    ],
-)
-def test_template_server_words_in_a_return(words, template, value):
-    assert str(said(words, returns=template).value) == value
-
-
-def test_template_string_of_program_stays_a_string():
-    given = said("", "heard(${parameter},${1},now)", 'heard("${parameter}",now)', parameter='"two \\"words\\""')
-    text = '"two \\"words\\""'
-    assert given.facts == (f"heard({text},{text},now)", f"heard({text},now)")
-
-
-@pytest.mark.parametrize(
     ("rule", "ended", "success"),
     [
         ({"status": "aborted", "return": "$parameter"}, GoalEnd("aborted"), None),
-        ({"status": "aborted", "return": "office2"}, GoalEnd("aborted"), False),
         ({"status": "aborted", "success": True}, GoalEnd("aborted"), True),
         ({"status": "succeeded", "return": "$parameter"}, GoalEnd("succeeded"), None),
         ({"status": "succeeded", "return": "office2"}, GoalEnd("succeeded"), False),
@@ -281,7 +228,6 @@ def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
     ("verdict", "ended", "status"),
     [
         (None, GoalEnd("aborted"), "aborted"),
-        (None, None, "aborted"),
         ("timeout", None, "timeout"),
         ("timeout", GoalEnd("preempted"), "timeout"),
         ("timeout", GoalEnd("succeeded"), "succeeded"),

@@ -87,13 +87,8 @@ def test_account_reads_places_that_the_program_shows(account, take, labels):
     assert account.summary.differences(expect) == []
     take("~state", state("at(hall,now)"), 1.2)
     assert account.summary.differences(expect) != []
-
-
-def test_account_prefers_the_topic_of_packages(account, take):
-    take("~program", program(), 1.0)
-    take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.1)
-    take("~state", state("thing_at(1,kitchen,now)"), 1.2)
-    assert account.summary.packages == {"1": "hall"}
+    take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.3)
+    assert account.summary.packages == {"1": "hall"}, "the topic of packages has priority"
 
 
 def test_account_counts_cycles_from_start_of_scenario(account, take):

@@ -34,15 +34,7 @@ def test_bag_index_is_complete_after_intermediate_flushes(tmp_path, monkeypatch)
     assert not unfinished_path(bag.path).exists()
 
 
-def test_bag_time_before_first_stamp_is_its_start(tmp_path):
-    bag = BagFile(tmp_path / "run.bag", "/notes")
-    write(bag, "0")
-    bag.close()
-    with rosbag.Bag(str(bag.path)) as read_bag:
-        assert [moment for _, _, moment in read_bag.read_messages()] == [genpy.Time(0, 1)]
-
-
-@pytest.mark.parametrize("lost", [0, 1, 100])
+@pytest.mark.parametrize("lost", [0, 100])
 def test_bag_is_repaired_up_to_last_flush(tmp_path, lost):
     bag = BagFile(tmp_path / "run.bag", "/notes")
     write(bag, "1", "2")
@@ -78,8 +70,7 @@ def fill(bag):
         bag.flush()
 
 
-@pytest.mark.parametrize("keep", [1, 2, 300])
-@pytest.mark.parametrize("room", [0, 100, 5000])
+@pytest.mark.parametrize(("keep", "room"), [(1, 0), (2, 5000), (300, 100)])
 def test_bag_recording_continues_once_full_disk_has_room(tmp_path, monkeypatch, keep, room):
     monkeypatch.setattr(bag_file, "KEEP", keep)
     bag = BagFile(tmp_path / "run.bag", "/notes")

@@ -22,13 +22,14 @@ def program(tmp_path):
 def test_core_parameters_have_defaults(program):
     found = core_parameters({"program_files": [program]})
     assert found == CoreParameters((program,), {}, (), CoreSettings())
+    assert found.time_to_shorten == CoreParameters.plan_time
 
 
 def test_core_parameters_are_all_read(program):
     values = {
         "program_files": program,
         "constants": {"n": 4},
-        "labels": {"office1": {"x": 1.0, "y": 2.0}},
+        "labels": {"office1": {"x": 1.0, "y": 2.0, "title": "Anna's"}},
         "horizon_limit": 7,
         "action_timeout": 5,
         "search_timeout": 0,
@@ -59,8 +60,10 @@ def test_core_parameters_are_all_read(program):
         "yes",
         True,
         "place(a).",
-        (Label("office1", 1.0, 2.0),),
+        (Label("office1", 1.0, 2.0, title="Anna's"),),
     )
+    assert found.time_to_shorten is None
+    assert found.deciding["titles"] == {"office1": "Anna's"}
 
 
 @pytest.mark.parametrize(("value", "word"), [(True, "yes"), (False, "no"), ("ask", "ask"), ("no", "no")])
@@ -84,19 +87,6 @@ def test_core_parameters_pass_label_file_to_program(program, labels, reported):
     assert len(found.labels) == 2
 
 
-def test_core_parameters_record_titles_of_labels(program):
-    found = core_parameters(
-        {"program_files": program, "labels": {"a": {"x": 1, "y": 2, "title": "Anna's"}, "b": [1, 2]}}
-    )
-    assert found.deciding["titles"] == {"a": "Anna's"}
-
-
-def test_core_parameters_limit_time_for_improvement(program):
-    values = {"program_files": program, "plan_time": 3}
-    assert core_parameters(values).time_to_shorten == 3.0
-    assert core_parameters({**values, "plan": "shortest"}).time_to_shorten is None
-
-
 @pytest.mark.parametrize(
     ("name", "value", "remedy"),
     [
@@ -111,9 +101,7 @@ def test_core_parameters_limit_time_for_improvement(program):
         ("interface_timeout", -1, "must be seconds, 0 for never"),
         ("interface_timeout", 2.5, "announce themselves once a second: use at least 3"),
         ("search_timeout", float("inf"), "must be seconds, 0 for no limit"),
-        ("recovery_timeout", -0.1, "must be seconds, 0 for no limit"),
         ("goals_at_once", -1, "must be an integer of at least 0"),
-        ("overtaking_limit", -1, "must be an integer of at least 0"),
         ("plan", "quick", "must be one of soon, shortest"),
         ("plan_time", -1, "must be seconds"),
         ("preempt", 1, "must be true or false"),
@@ -124,21 +112,6 @@ def test_core_parameters_faults_name_parameter_and_remedy(program, name, value, 
     with pytest.raises(ParameterError, match=re.escape(remedy)) as error:
         core_parameters({"program_files": [program], name: value})
     assert f"~{name}" in str(error.value)
-
-
-def test_core_parameters_report_all_faults_at_once():
-    with pytest.raises(ParameterError) as error:
-        core_parameters({"program_files": 3, "constants": {"n": "X"}, "preempt": 1})
-    assert [line.split(":")[0] for line in str(error.value).splitlines()] == [
-        "~preempt",
-        "~program_files",
-        "~constants/n",
-    ]
-
-
-def test_core_parameters_require_a_program():
-    with pytest.raises(ParameterError, match="program_files"):
-        core_parameters({})
 
 
 def test_core_parameters_reach_the_program(program):

@@ -19,12 +19,6 @@ def test_map_view_crops_an_unknown_margin():
     assert known_bounds(cells[:, ::-1].T, 0.05, (0.0, 0.0, 0.0)) == pytest.approx((15.0, 20.0, 55.0, 80.0))
 
 
-def test_map_view_shows_unknown_map_as_a_whole():
-    assert known_bounds(np.full((10, 20), -1, dtype=np.int8), 0.5, (1.0, 2.0, 0.0)) == pytest.approx(
-        (1.0, 2.0, 11.0, 7.0)
-    )
-
-
 def test_map_view_handles_a_turned_map():
     message = OccupancyGrid(data=[0] * 8)
     message.info.resolution, message.info.height, message.info.width = 1.0, 2, 4
@@ -54,15 +48,6 @@ def test_map_view_contains_map_and_longest_text(box, size):
         assert abs(px - view.x) * view.scale <= 0.5 * (size[0] - FRAME[0]) + 1e-6
         assert abs(py - view.y) * view.scale <= 0.5 * (size[1] - FRAME[1]) + 1e-6
     assert all(py <= y + 1e-6 for _, py in corners[2:]), "words lie on the map"
-
-
-def test_map_view_shows_narrow_margin_and_text_below():
-    message = OccupancyGrid(data=[-1] * 400)
-    message.info.resolution, message.info.height, message.info.width = 0.5, 20, 20
-    message.data = [0 if 1 < cell % 20 < 18 and cell >= 180 else -1 for cell in range(400)]
-    assert bounds_of(message) == pytest.approx((1.0, 4.5, 9.0, 10.0))
-    message.data = [0 if 0 < cell % 20 < 19 and cell >= 20 else -1 for cell in range(400)]
-    assert bounds_of(message) == pytest.approx((0.0, 0.0, 10.0, 10.0))
 
 
 def test_map_view_changes_only_view_of_shipped_configuration(pytestconfig):

@@ -8,10 +8,8 @@ from rosoclingo.nodes.rviz.scene import (
     NEXT,
     SHUT,
     drawn_shapes,
-    label_shapes,
     package_shapes,
     plan_shapes,
-    robot_shapes,
     things_in,
 )
 from rosoclingo.oclingo import parse_atom
@@ -33,16 +31,6 @@ def arrows(cycle, start):
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
 
 
-def test_markers_label_has_a_disc_and_a_name():
-    shapes = label_shapes(LABELS)
-    assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
-    assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
-
-
-def test_markers_draw_robot_in_its_own_frame():
-    assert {shape.frame for shape in robot_shapes("base_link", 0.2)} == {"base_link"}
-
-
 def test_markers_place_packages_apart_at_label_or_robot():
     places = [("1", "office2", False), ("2", "office2", False), ("3", "", True), ("4", "", True), ("5", "attic", False)]
     cubes = [shape for shape in package_shapes(places, LABELS, "base_link") if shape.kind == "cube"]
@@ -56,11 +44,6 @@ def test_markers_arrows_follow_remaining_plan_from_robot():
     assert arrows(1, (0.0, 0.0)) == [(0.0, 4.0, NEXT), (4.0, 8.0, LATER), (8.0, 4.0, LATER)]
     assert arrows(3, (8.0, 0.0)) == [(8.0, 4.0, LATER)]
     assert arrows(6, (4.0, 0.0)) == []
-
-
-def test_markers_without_pose_start_at_last_move_target():
-    assert arrows(1, None) == [(4.0, 8.0, LATER), (8.0, 4.0, LATER)]
-    assert arrows(4, None) == [(8.0, 4.0, NEXT)]
 
 
 def drawn(*drawings):
@@ -89,18 +72,6 @@ def test_markers_other_ways_lie_below_blocked_way():
     assert len(lines) == 4
     assert heights == sorted(set(heights))
     assert lines[2].colour == SHUT
-
-
-def test_markers_way_from_label_to_itself_has_no_bar():
-    labels = LabelTable.from_mapping({"a": [0, 0], "b": [0, 0]})
-    assert len(drawn_shapes([Drawing(DrawingKind.BLOCKED, ("a", "b"), "")], labels)) == 1
-
-
-def test_markers_at_a_label_are_stacked():
-    words = drawn(*[(DrawingKind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
-    assert [shape.text for shape in words] == ["office1", "office1", "office2"]
-    assert words[0].position[1] < words[1].position[1]
-    assert words[2].position[0] == 4.0
 
 
 def test_markers_show_things_in_beliefs_as_packages():

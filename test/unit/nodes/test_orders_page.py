@@ -220,9 +220,6 @@ def test_page_pauses_and_stops_after_confirmation(desk):
     desk.says("Not done: the core does not answer: gone")
     assert desk.commands == ["pause", "continue", "stop"]
     assert desk.page.run("document.getElementById('messages').getAttribute('aria-live')") == "polite"
-
-
-def test_page_offers_commands_only_with_orders(desk):
     desk.now(operates=False)
     desk.page.wait_for("document.getElementById('commands').hidden")
 
@@ -252,13 +249,6 @@ def test_page_shows_hostile_texts_of_orders_as_text(desk):
     assert desk.page.run("window.broken === undefined && document.querySelectorAll('img').length === 0")
 
 
-def test_page_saves_the_run_so_far_as_a_report(desk):
-    assert desk.page.run("document.querySelector('a[download]').getAttribute('href')") == "/report.html"
-    status, headers, body = desk.served.get("/report.html")
-    assert (status, headers["Content-Disposition"]) == (200, 'attachment; filename="run.html"')
-    assert '<script type="application/json" id="run">' in body
-
-
 def test_page_keeps_the_choice_while_packages_move(desk):
     desk.choose(package="2", to="office3")
     for places in (
@@ -283,14 +273,6 @@ def test_page_keeps_the_choice_while_packages_move(desk):
     desk.order()
     desk.says("Ordered: Deliver: 2, office3")
     assert desk.sent == ["goal(office1,office3,2)"]
-
-
-def test_page_leaves_the_open_select_in_place(desk):
-    desk.page.run("window.before = document.querySelector('#orders select[name=package]')")
-    desk.page.run("window.before.focus()")
-    desk.lie({"1": "office3", "2": "office2", "3": "office3"})
-    desk.page.wait_for("document.querySelector('#orders').textContent.includes('1 (at office3)')")
-    assert desk.page.run("document.activeElement === window.before && window.before.isConnected")
 
 
 def test_page_offers_no_place_twice(desk):

@@ -32,27 +32,18 @@ def test_server_serves_the_page_with_its_scripts(served):
     assert "default-src 'none'; img-src data:; style-src 'sha256-" in headers["Content-Security-Policy"]
     assert f"connect-src 'self' ws://127.0.0.1:{served.port} " in headers["Content-Security-Policy"]
     assert (headers["X-Frame-Options"], headers["X-Content-Type-Options"]) == ("DENY", "nosniff")
-
-
-@pytest.mark.parametrize("path", ["/nosuch", "/../package.xml", "/%2e%2e/package.xml", "//etc/passwd", "/model.js"])
-def test_server_serves_nothing_else(served, path):
-    assert served.get(path)[0] == 404
-
-
-def test_server_refuses_a_request_that_is_too_long(served):
-    with pytest.raises(ConnectionError):
-        served.get("/" + "x" * 40000)
-    assert served.get()[0] == 200
+    assert [served.get(path)[0] for path in ("/../package.xml", "/%2e%2e/package.xml", "/model.js")] == [404] * 3
+    code, headers, report = served.get("/report.html")
+    assert (code, headers["Content-Disposition"]) == (200, 'attachment; filename="run.html"')
+    assert '<script type="application/json" id="run">' in report
 
 
 # ---- access ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "a b", "127.0.0.1@evil"]
-)
-def test_server_for_this_machine_accepts_only_its_own_names(served, host):
-    assert served.get(Host=host or "-")[0] in (400, 403)
+def test_server_for_this_machine_accepts_only_its_own_names(served):
+    for host in ("evil.example:80", "127.0.0.1.evil.example", "-", "a b", "127.0.0.1@evil"):
+        assert served.get(Host=host)[0] in (400, 403), host
     assert served.get(Host=f"localhost:{served.port}")[0] == 200
 
 
@@ -73,10 +64,7 @@ def test_server_refuses_the_page_of_another_site(served):
 @pytest.mark.parametrize(
     ("headers", "status", "body"),
     [
-        *(
-            ({"Origin": one}, 403, b"")
-            for one in ("http://[::1", "http://[::1]:x", "http://\u2100.x", "[", "http://\u00ff")
-        ),
+        *(({"Origin": one}, 403, b"") for one in ("http://[::1", "http://\u2100.x", "[")),
         ({"Sec-WebSocket-Key": ""}, 400, b"Missing/Invalid WebSocket headers"),
     ],
 )
@@ -86,21 +74,12 @@ def test_server_refuses_a_malformed_handshake(served, headers, status, body):
     assert text.startswith(body)
 
 
-@pytest.mark.parametrize("value", ["", "permessage-deflate; server_max_window_bits=abc", "x; y=z"])
-def test_server_compresses_nothing(served, value):
-    assert served.shake_hands(**{"Sec-WebSocket-Extensions": value})[0] == 101
-
-
-@pytest.mark.parametrize("token", ["%ff", "%ed%a0%80", "%c3"])
-def test_server_refuses_a_token_that_is_not_utf8(served, token):
-    assert served.get(f"/?token={token}")[::2] == (400, "400 The token is not UTF-8\n")
-
-
 def test_server_with_a_token_admits_only_its_holders():
     with serving(token="open sesame") as served:
         assert served.get()[0] == 403
         assert served.get("/report.html")[0] == 403
         assert served.get("/?token=wrong")[0] == 403
+        assert served.get("/?token=%ff")[::2] == (400, "400 The token is not UTF-8\n")
         assert "Token needed" in served.get("/?token=wr%C3%B6ng")[2]
         with pytest.raises(HTTPClientError) as error:
             play(served.connect())
@@ -256,7 +235,7 @@ def test_server_disconnects_viewer_that_asks_too_often():
 
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("width", [320, 360, 1280])
+@pytest.mark.parametrize("width", [320, 1280])
 def test_page_is_no_wider_than_a_phone(page, served, width):
     served.do(lambda view: view.goal(140.0, "b", f"goal({'x' * 300},1)"))
     options = [["long" * 60, "long" * 60], ["2", "2"]]
@@ -298,30 +277,16 @@ def test_page_has_a_slider_only_while_one_looks_back(page, served):
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_page_says_that_a_plan_is_searched_for(page, served):
+def test_page_says_that_a_plan_is_searched_for_and_the_pace(page, served):
     page.open(served.address + "/")
     served.do(lambda view: (view.goal(150.0, "b", "g(b)"), view.clock(163.0)))
     page.wait_for("document.getElementById('now').textContent === 'Searching for a plan for 13.0 s'")
     served.do(lambda view: view.plan(164.0, 6, 7, ["_action_lib(move_base,office1,6)"], (1.0, 9.0)))
     page.wait_for("!document.getElementById('now').textContent.includes('Searching')")
-    for width in (390, 1280):
-        page.size(width, 900)
-        sizes = page.run(
-            "['.key.now', '.key.done'].map((one) => getComputedStyle(document.querySelector(one)).fontSize)"
-        )
-        assert sizes[0] == sizes[1], "the style of the large line is its own"
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_page_shows_the_pace_of_simulated_time(page, served):
-    page.open(served.address + "/")
-    page.wait_for("document.querySelectorAll('#goals tbody tr').length === 1")
-    assert "real time" not in page.text("#facts")
-    page.run("live.model.paces = [], live.model.measure(0, 0), live.model.measure(6000, 12), live.player.update()")
-    assert "2.0 × real time" in page.text("#facts")
-    page.run("live.model.paces = [], live.model.measure(0, 0), live.model.measure(6000, 6.1), live.player.update()")
-    assert "real time" not in page.text("#facts")
+    for seconds, shown in ((6.1, False), (12, True)):
+        measured = f"live.model.measure(0, 0), live.model.measure(6000, {seconds}), live.player.update()"
+        page.run(f"live.model.paces = [], {measured}")
+        assert ("2.0 × real time" in page.text("#facts"), "real time" in page.text("#facts")) == (shown, shown)
 
 
 @pytest.mark.slow

@@ -20,11 +20,6 @@ def test_watch_finds_the_core(messages, cores, usual, expected):
 
     published = [[f"{core}/task_plan", PLAN] for core in cores] + [["/x/task_plan", "other/Plan"]]
     assert chosen_core(published, usual) == expected
-
-
-def test_watch_asks_for_a_choice_between_cores(messages):
-    from rosoclingo.nodes.watch import chosen_core
-
     with pytest.raises(RecordingError, match=r"/a/brain, /b/brain with --core"):
         chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
 

@@ -1,7 +1,6 @@
 """The drawings that a program requests on the map."""
 
 import pytest
-from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.runs.drawing import Drawing, DrawingKind, drawings_of
@@ -76,50 +75,9 @@ def test_drawing_declaration_that_is_malformed_is_reported(fact, fault):
     assert found.of([], LABELS) == [Drawing(DrawingKind.MARK, ("a",), "y")]
 
 
-@pytest.mark.parametrize("rule", ["_draws(x,way) :- y", '_draws("x(",way,"")', "_draws((x;y),way)"])
-def test_drawing_declaration_must_be_a_fact(rule):
-    program = RunProgram("run", (ProgramFile("a.lp", f"{rule}. x(a,b). y.", False),), {}, "")
-    assert (drawings_of(program).of([], LABELS), drawings_of(program).faults) == ([], ())
-
-
 def test_drawing_ignores_a_program_that_cannot_be_read():
     program = RunProgram("run", (ProgramFile("broken.lp", "_draws(x,way). x(a,b). ((", False),), {}, "")
     assert drawings_of(program).of(["x(a,b)"], LABELS) == []
-
-
-@pytest.mark.parametrize(
-    ("files", "labels", "ways", "state", "drawn"),
-    [
-        (
-            ("mailbot.lp", "office.lp"),
-            ("office1", "office2", "office3", "office4"),
-            3,
-            [
-                "robot_at(office2,now)",
-                "robot_has(1,office3,now)",
-                "shut(office2,office3,now)",
-                "waits(2,office4,office1,now)",
-            ],
-            [
-                Drawing(DrawingKind.ROBOT, ("office2",), ""),
-                Drawing(DrawingKind.CARRIED, (), "1"),
-                Drawing(DrawingKind.BLOCKED, ("office2", "office3"), "shut"),
-                Drawing(DrawingKind.THING, ("office4",), "2"),
-            ],
-        ),
-        (
-            ("house.lp", "home.lp"),
-            ("hallway", "kitchen"),
-            1,
-            ["thing_at(cup,kitchen,now)"],
-            [Drawing(DrawingKind.THING, ("kitchen",), "cup")],
-        ),
-    ],
-)
-def test_drawing_of_the_shipped_programs(files, labels, ways, state, drawn):
-    found = drawings_of(RunProgram.of("run", shipped(*files), {})).of(state, set(labels))
-    assert [one.kind for one in found[:ways]] == [DrawingKind.WAY] * ways
-    assert found[ways:] == drawn
 
 
 def test_drawing_of_initial_facts_ends_with_the_first_belief():

@@ -23,8 +23,8 @@ def whole(tmp_path_factory):
 def late(tmp_path_factory):
     """A journal that was rewritten during the run, after a compaction; and the messages of its core."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(folder, "RECORDS", 100)
-        goals = [(str(number), f"do({number})") for number in range(1, 60)]
+        patch.setattr(folder, "RECORDS", 40)
+        goals = [(str(number), f"do({number})") for number in range(1, 25)]
         return play(tmp_path_factory.mktemp("late"), ReactiveProgram.from_text(FORGETFUL), goals, None, None)
 
 

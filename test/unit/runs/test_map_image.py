@@ -38,15 +38,6 @@ def test_map_image_of_a_turned_map_turns_its_corner():
     assert found["corner"] == pytest.approx([-2.0, 5.0])
 
 
-def test_map_image_between_free_and_occupied_is_unknown():
-    pixels = picture(map_image(np.array([[0, 25, 50, 65, 100]], np.int8), 1.0, (0.0, 0.0, 0.0)))
-    assert [int(value) for value in pixels[0, :, 3]] == [0, 0, 72, 255, 255]
-
-
-def test_map_image_of_unknown_map_is_complete():
-    assert map_image(np.full((3, 4), -1, np.int8), 1.0, (0.0, 0.0, 0.0))["width"] == 4.0
-
-
 @pytest.mark.slow
 def test_map_image_of_large_map_keeps_thin_walls():
     cells = np.zeros((3, 3 * LONGEST + 1), np.int8)

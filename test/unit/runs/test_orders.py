@@ -97,22 +97,6 @@ def test_orders_require_different_places():
     assert patrol.fill({"a": "office1", "b": "office2", "c": "office1"}, LABELS, PACKAGES).startswith("patrol")
 
 
-def test_orders_of_two_packages_at_one_place():
-    text = """
-- title: Both
-  goal: "both({a},{b},{at_a},{at_b},{to})"
-  choices: {a: packages, at_a: place of a, b: packages, at_b: place of b, to: labels}
-"""
-    places = {"1": "office2", "2": "office2"}
-    chosen = {"a": "1", "b": "2", "to": "office1"}
-    assert forms(text)[0].fill(chosen, LABELS, places) == "both(1,2,office2,office2,office1)"
-
-
-def test_orders_from_unknown_location_offer_no_place():
-    found = forms()[0].fill({"package": "1", "to": "office1", "from": "office1"}, LABELS, PACKAGES)
-    assert found == "goal(office2,office1,1)"
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -136,10 +120,6 @@ def test_orders_from_unknown_location_offer_no_place():
 )
 def test_orders_declaration_faults_are_reported(text, message):
     assert message in "\n".join(read(text)[1])
-
-
-def test_orders_can_be_undeclared():
-    assert read("")[0] == ()
 
 
 def test_orders_can_be_facts():

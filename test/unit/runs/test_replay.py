@@ -4,14 +4,12 @@ import re
 from dataclasses import replace
 
 import pytest
-from core_driver import PLANS, Driver
+from core_driver import Driver
 from shipped import shipped
 from stream_replay import recorded
 
-from rosoclingo.checking.oclingo_command import main as oclingo
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.planning.history import Plan, cycle_of
-from rosoclingo.reasoning.settings import CoreSettings
+from rosoclingo.planning.history import Plan
 from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 
@@ -29,18 +27,6 @@ failed(t)  :- _action_lib(press,B,t), _return(press,V,t), V != B.
 #program volatile(t).
 :- open(Id,t), not pressed(t).
 """
-
-
-def played(way, *goals):
-    """A run of the mailbot with a failure and a cancelled goal."""
-    program = shipped("mailbot.lp", "office.lp")
-    driver = Driver(settings=CoreSettings(horizon_limit=40), program=program, solver=PLANS[way])
-    for number, text in enumerate(goals):
-        driver.goal(f"key{number}", text).succeed()
-    driver.fail("failed")
-    driver.cancel("key0")
-    driver.finish()
-    return driver
 
 
 def pressed():
@@ -99,18 +85,6 @@ def test_replay_refuses_an_invalid_plan(actions, why):
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert why in report.line()
-
-
-@pytest.mark.slow
-def test_replay_refuses_a_plan_that_is_incomplete():
-    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
-    run = recorded(driver.journal)
-    (published,) = run.cycles[0].plans[1:]
-    *begin, _ = sorted(published.actions, key=cycle_of)
-    run.cycles[0].plans = [published._replace(actions=frozenset(begin))]
-    report = first(run, driver.program)
-    assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
-    assert "it is incomplete" in report.why
 
 
 def test_replay_refuses_actions_that_were_not_planned():
@@ -185,20 +159,3 @@ def test_replay_refuses_a_changed_program_text():
             RunProgram.parse(text)
     with pytest.raises(RecordingError, match="a later version"):
         RunProgram.parse('{"format": 2}')
-
-
-@pytest.mark.slow
-def test_replay_stream_gives_same_answers_by_command(tmp_path, capsys):
-    driver = played("shortest", "goal(office3,office2,1)")
-    run = recorded(driver.journal)
-    words = RunProgram.of("run", driver.program, {}).write(tmp_path)
-    (tmp_path / "stream").write_text(run.stream)
-    assert oclingo([*words, "--shortest", "--stream", str(tmp_path / "stream"), "--json"]) in (0, 20)
-    reported = [line for line in capsys.readouterr().out.splitlines() if line]
-    found = [report.found for report in Replay(run, driver.program).reports()]
-    assert len(reported) == len(found) > 3
-    for line, shown in zip(reported, found):
-        answers = re.findall(r'"answers": (\[.*?\]\]|\[\])', line)[0]
-        assert (answers == "[]") is (shown is None)
-        if shown is not None:
-            assert f'"horizon": {shown.horizon}' in line

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from published_runs import GOAL, LABELS, delivery, long_run
+from published_runs import GOAL, LABELS, delivery
 
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.report_page import SCRIPTS, report_page
@@ -85,6 +85,11 @@ def test_report_page_begins_with_the_whole_run(opened):
     assert found["actions"] == "4 done, 1 failed"
     assert found["search for plans"] == "250 ms of the solver, at most 130 ms for a cycle"
     assert page.texts(".map .number") == page.texts(".timeline .bar.ahead") == []
+    figures = dict(zip(page.texts("figcaption strong, #charts dt"), page.texts("figcaption span, #charts dd")))
+    assert figures["Goals by their end"] == "1 goal"
+    assert figures["Response: time until accepted"] == "1.5 s"
+    assert figures["Search for plans"] == "250 ms of wall time, 130 ms in the longest cycle"
+    assert figures["Metres driven"] == "4.0 m"
     assert found["time"] == "32.5 s"
     tops = page.run("['goals', 'map', 'log'].map((one) => document.getElementById(one).getBoundingClientRect().y)")
     assert tops == sorted(tops)
@@ -159,7 +164,7 @@ def test_report_page_slider_shows_a_moment(opened):
     assert page.texts("#goals tbody td")[0] == "new"
 
 
-def test_report_page_draws_preempted_action_as_ended_early(opened):
+def test_report_page_marks_failed_and_preempted_actions(opened):
     view = delivery()
     view.plan(140.0, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
     view.dispatched(140.0, ["_action_lib(move_base,office1,6)"])
@@ -167,21 +172,30 @@ def test_report_page_draws_preempted_action_as_ended_early(opened):
     view.returned(142.0, "tests", ["_return(move_base,preempted,6)"])
     view.plan(142.5, 6, 8, ["_action_lib(move_base,office1,6)"], (0.01, 0.01))
     page = opened(view)
-    move(page, 42.5)
-    assert page.texts("#plan li") == ["– move_base office1: preempted"]
-    assert page.run("document.querySelectorAll('.timeline .bar.gone').length") == 1
-    assert "Not reached" not in page.text("#map .caption")
-    assert "ended early" in page.text(".keys")
-
-
-def test_report_page_marks_a_failed_action(opened):
-    page = opened(delivery())
     move(page, 21.0)
     assert "✕ move_base office1: blocked" in page.texts("#plan li")
     assert "Not reached: office1 (blocked)." in page.text("#map .caption")
     assert page.texts(".map .wayname.bad") == ["✕ blocked"]
     move(page, 31.0)
     assert "Not reached" not in page.text("#map .caption")
+    move(page, 42.5)
+    assert page.texts("#plan li") == ["– move_base office1: preempted"]
+    assert page.run("document.querySelectorAll('.timeline .bar.gone').length") == 1
+
+
+def test_report_page_is_usable_by_keyboard(opened):
+    page = opened(delivery())
+    page.press("End", "#slider")
+    page.press("Home", "#slider")
+    assert page.text("#clock") == "0.0 s · cycle 1"
+    page.press("ArrowRight", ".log")
+    assert page.text("#clock") == "10.0 s · cycle 2"
+    page.press("Enter", ".log li:last-child button")
+    assert page.text("#clock") == "32.5 s · cycle 6"
+    page.press("Enter", ".log li:last-child summary")
+    assert page.run("document.querySelector('.log li:last-child details').open")
+    page.press("Enter", "#whole")
+    assert page.text("#clock") == "whole run, 32.5 s"
 
 
 def floor(*facts):
@@ -209,56 +223,6 @@ def test_report_page_shows_drawings_of_the_program(opened):
     assert page.text("#map .caption") == known.format("study") + " study – hall: blocked. hall: dirt: much."
     assert page.texts(".map .wayname") == ["dirt: much"]
     assert page.run(left) > before + 100
-
-
-def test_report_page_prefers_observations_to_beliefs(opened):
-    view = delivery()
-    view.program(0.0, floor())
-    view.beliefs(132.4, 6, ["on(9,study,now)", "me(hall,now)"])
-    view.describe(labels={**LABELS, "hall": [3.0, 1.0, 0.0], "study": [3.5, 1.0, 0.0]})
-    assert opened(view).text("#map .caption").endswith("The robot is at office2. Things: 1, 2 at office1.")
-
-
-def test_report_page_shows_the_figures(opened):
-    page = opened(delivery())
-    found = dict(zip(page.texts("figcaption strong, #charts dt"), page.texts("figcaption span, #charts dd")))
-    assert found["Goals by their end"] == "1 goal"
-    assert found["Time until the end"] == "32.5 s"
-    assert found["Response: time until accepted"] == "1.5 s"
-    assert found["Search for plans"] == "250 ms of wall time, 130 ms in the longest cycle"
-    assert found["Metres driven"] == "4.0 m"
-
-
-@pytest.mark.parametrize(
-    ("goals", "words", "bars"), [(4, "1.0 s, 2.0 s, 3.0 s, 4.0 s", 0), (5, "median 3.0 s, longest 5.0 s", 5)]
-)
-def test_report_page_histogram_needs_five_values(opened, goals, words, bars):
-    view = RunView()
-    for number in range(1, goals + 1):
-        view.goal(10.0 * number, str(number), f"g({number})")
-        view.status(11.0 * number, str(number), 3, "")
-    page = opened(view)
-    found = dict(zip(page.texts("figcaption strong, #charts dt"), page.texts("figcaption span, #charts dd")))
-    assert found["Time until the end"] == words
-    figure = "[...document.querySelectorAll('figure')].find((one) => one.textContent.includes('until the end'))"
-    assert page.run(f"({figure} || document.createElement('p')).querySelectorAll('rect').length") == bars
-
-
-def test_report_page_is_usable_by_keyboard(opened):
-    page = opened(delivery())
-    page.press("End", "#slider")
-    page.press("Home", "#slider")
-    assert page.text("#clock") == "0.0 s · cycle 1"
-    page.press("ArrowRight", ".log")
-    assert page.text("#clock") == "10.0 s · cycle 2"
-    page.press("ArrowLeft", ".log")
-    assert page.text("#clock") == "0.0 s · cycle 1"
-    page.press("Enter", ".log li:last-child button")
-    assert page.text("#clock") == "32.5 s · cycle 6"
-    page.press("Enter", ".log li:last-child summary")
-    assert page.run("document.querySelector('.log li:last-child details').open")
-    page.press("Enter", "#whole")
-    assert page.text("#clock") == "whole run, 32.5 s"
 
 
 def test_report_page_timeline_click_jumps_and_play_continues(opened):
@@ -290,7 +254,7 @@ def cut(text):
     return text if len(text) <= 30 else f"{text[:29]}…{text}"
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("text", HOSTILE)
 def test_report_page_escapes_hostile_texts(opened, text):
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
@@ -324,20 +288,6 @@ def test_report_page_shows_an_empty_run(opened):
     assert "No goals yet." in page.text("#goals")
 
 
-def test_report_page_of_many_goals_is_small_and_fast(opened, tmp_path):
-    view = long_run()
-    assert write(tmp_path, view).stat().st_size < 5_000_000
-    page = opened(view)
-    page.run("player.seek(player.model.seconds)")
-    assert page.text("#clock").endswith("cycle 1200")
-    assert page.texts("#plan summary")[0] == "19 later actions"
-    assert len(page.texts("#goals tbody tr")) == 200
-    used = "performance.getEntriesByType('navigation')[0].loadEventEnd"
-    drawn = "(() => { const start = performance.now(); player.seek(3000.5); return performance.now() - start; })()"
-    print("loaded after", page.wait_for(used), "ms, moment drawn in", page.run(drawn), "ms")
-    assert page.text("#clock").endswith("cycle 301")
-
-
 # ---- map and timeline ------------------------------------------------------------------------------------------------
 
 
@@ -359,17 +309,7 @@ def fleet(robots=2, names=("r1", "r2", "<b>r</b>")):
     return view
 
 
-def test_report_page_numbers_the_next_two_moves(opened):
-    page = opened(delivery(worded()))
-    move(page, 5.0)
-    assert page.texts(".map .number text") == ["1", "2"]
-    assert page.texts(".map .number title") == ["1. drives to office2", "2. drives to office1"]
-    assert page.texts(".map .ahead.faint") == []
-    move(page, 25.0)
-    assert page.texts(".map .number title") == ["1. drives to office1"]
-
-
-@pytest.mark.parametrize("robots", [1, 2, 3])
+@pytest.mark.parametrize("robots", [1, 3])
 def test_report_page_shows_each_robot_with_colour_plan_and_place(opened, robots):
     page = opened(fleet(robots))
     move(page, 4.0)
@@ -392,13 +332,6 @@ def test_report_page_shows_each_robot_with_colour_plan_and_place(opened, robots)
     assert page.texts(".timeline .robotname title") == names
     faint = "document.querySelectorAll('.map .ahead.faint')[0]"
     assert page.run(f"getComputedStyle({faint}).opacity < 0.5")
-
-
-def test_report_page_lanes_beyond_the_limit_are_named(opened):
-    names = [f"r{number:02}" for number in range(20)]
-    page = opened(fleet(20, names))
-    assert page.texts(".timeline .robotname title") == names[:16]
-    assert page.text("#timeline .caption") == "Not shown: r16, r17, r18, r19."
 
 
 def test_report_page_plans_are_as_long_as_such_actions_took(opened):
@@ -443,27 +376,7 @@ def test_report_page_shows_the_time_of_searches(opened):
     assert page.texts("#plan .thinking") == [], "an action runs"
 
 
-def test_report_page_plan_says_what_it_folds_away(opened):
-    view = RunView()
-    view.program(0.0, worded())
-    view.goal(0.0, "a", "g(1)")
-    plan = [f"_action_lib(pickup,{step},{step})" for step in range(1, 41)]
-    view.plan(1.0, 21, 40, plan, (0.0, 0.0))
-    view.dispatched(1.0, [plan[20]])
-    view.finish()
-    page = opened(view)
-    move(page, 1.0)
-    summaries = page.texts("#plan summary")
-    assert summaries == ["17 earlier actions", "12 later actions", "details"]
-    listed = page.texts("#plan > ol li")
-    assert listed[0] == "✓ picks up 18"
-    assert listed[3] == "▶ picks up 21"
-    assert len(listed) == 11
-    page.click("#plan summary")
-    assert "picks up 1\n" in page.text("#plan")
-
-
-@pytest.mark.parametrize("width", [360, 390, 1280])
+@pytest.mark.parametrize("width", [360, 1280])
 def test_report_page_fits_phones_and_fingers(opened, page, width):
     view = delivery(worded())
     view.goal(140.0, "b", f"goal({'x' * 300},1)")
@@ -482,20 +395,6 @@ def test_report_page_fits_phones_and_fingers(opened, page, width):
         assert page.run("document.documentElement.scrollWidth") <= width
     finally:
         page.size(1280, 900)
-
-
-def test_report_page_cut_labels_have_titles(opened):
-    view = delivery(worded(office1="A very long title of an office, longer than a map has room for"))
-    page = opened(view)
-    labels = (
-        "[...document.querySelectorAll('svg text')].filter((one) => one.firstChild.textContent.includes('…'))"
-        ".map((one) => (one.querySelector('title') || one.parentNode.querySelector('title') || {}).textContent || '')"
-    )
-    for time in (5.0, 15.0):
-        move(page, time)
-        found = page.run(labels)
-        assert found
-        assert "" not in found
 
 
 @pytest.mark.sampled(2)

@@ -93,14 +93,6 @@ def test_scenario_file_that_cannot_be_read_is_named(tmp_path):
             Scenario.from_file(path)
 
 
-def test_scenario_optional_keys_have_defaults():
-    scenario = read('events: [{cycle: 1, request: "g(1)"}]\nexpect: {robot: office2}')
-    (event,) = scenario.events
-    assert (event.cycle, event.time) == (1, 0.0), "as soon as the plan of cycle 1 is out"
-    assert event.due(0.5, {1: 0.5})
-    assert scenario.expect == {"robot": "office2"}, "of packages nothing is expected"
-
-
 def test_scenario_reports_all_faults_at_once(tmp_path):
     path = tmp_path / "own.yaml"
     path.write_text(

@@ -11,7 +11,6 @@ from stream_replay import check_replay
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram, parse_updates
-from rosoclingo.runs.account import Account
 from rosoclingo.runs.journal_run import journal_run, journal_view
 from rosoclingo.runs.replay import CycleVerdict, Replay
 from rosoclingo.runs.sent_returns import SentReturns
@@ -43,25 +42,6 @@ COURSE = """goal a job(saw,1); goal b job(drill,2); facts _return(drill,worn,2)
 def test_sent_returns_name_the_cycle_of_dispatch(stream, returns):
     found = SentReturns()
     assert [str(one.atom) for update in parse_updates(stream) for one in found.of(update)] == returns
-
-
-def test_sent_returns_can_begin_while_actions_run():
-    (earlier,) = Driver(TEAM).goal("a", "job(saw,1)").core.awaited
-    (update,) = parse_updates("#step 3. _return(saw,1,2). #endstep.")
-    assert [str(one.atom) for one in SentReturns([earlier]).of(update)] == ["_return(saw,1,1)"]
-
-
-def test_account_orders_returns_of_long_actions():
-    driver, lines = play(Driver(TEAM), COURSE), []
-    account = Account(lines.append)
-    account.returned(0.0, "drill", ["_return(drill,worn,2)"])
-    for number, update in enumerate(event.stream for event in driver.journal.events if hasattr(event, "stream")):
-        account.update(float(number), update)
-    account.returned(3.0, "saw", ["_return(saw,1,1)"])
-    account.returned(3.0, "drill", ["_return(drill,2,3)"])
-    account.finish()
-    words = [line.split()[4] for line in lines]
-    assert words[-3:] == ["return", "return", "update"], "the last update waits for both"
 
 
 def test_replay_agrees_with_run_of_long_actions():

@@ -38,21 +38,13 @@ def words(text, *actions):
 
 
 def test_sentences_of_actions_come_from_program_facts():
+    assert words(WORDS, *(f"_action_lib({one},tap,1)" for one in ("plain", "odd"))) == ["plain tap", "odd tap"]
+    assert words('_says(go,"goes to {}"). ((', "_action_lib(go,x,1)") == ["go x"], "it cannot be read"
     assert words(WORDS, "_action_lib(drive,tap,1)", '_action_lib(wait,"3",1)', '_action_lib("tidy up",f(x),1)') == [
         "drives to tap",
         "waits 3 minutes, 3 at the most",
         "tidies up",
     ]
-
-
-@pytest.mark.parametrize("interface", ["plain", "one", "odd", "unheard"])
-def test_sentences_of_other_actions_are_plain(interface):
-    assert words(WORDS, f"_action_lib({interface},tap,1)") == [f"{interface} tap"]
-
-
-def test_sentences_ignore_unreadable_facts():
-    broken = program('_says(go,"goes to {}"). ((')
-    assert sentences_of(broken).of(action_of(parse_atom("_action_lib(go,x,1)"))) == "go x"
 
 
 @pytest.mark.mostly_slow

@@ -63,11 +63,3 @@ def test_message_is_serialized_without_the_removed_method(kind, field, dtype):
         warnings.simplefilter("error")  # before 2.3 numpy warns of the method
         message.serialize_numpy(written, np)
     assert list(getattr(kind().deserialize(written.getvalue()), field)) == [3, 2, 1]
-
-
-def test_message_shares_memory_and_sends_slices():
-    values = np.zeros(4, dtype=np.float32)
-    sent = sendable(values)
-    values[2] = 5.0
-    assert sent[2] == 5.0
-    assert sent[::2].tostring() == np.array([0.0, 5.0], dtype=np.float32).tobytes()

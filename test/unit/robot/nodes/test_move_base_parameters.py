@@ -182,12 +182,6 @@ def test_move_base_parameters_layers_can_have_other_names(given):
     assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
 
 
-def test_move_base_parameters_before_layers_are_read(given):
-    given({"global_costmap": {"inflation_radius": 0.8, "observation_sources": "laser", "laser": {"topic": "/scan"}}})
-    assert settings_of().costmap.inflation_radius == 0.8
-    assert settings_of().frames.scan_topic == "/scan"
-
-
 def test_move_base_parameters_of_a_layer_override_costmap(given):
     values = {"global_costmap": {"inflation_radius": 0.8, "inflation_layer": {"inflation_radius": 0.7}}}
     given(values)
@@ -263,17 +257,6 @@ def test_move_base_parameters_navigation_stack_names_are_mapped(given):
     assert type(turn) is RotateRecovery
     assert settings_of().costmap.allow_unknown
     assert plugins.global_planner_namespace() == "NavfnROS"
-
-
-def test_move_base_parameters_reach_the_usual_turning(given):
-    """The parameters of move_base's own rotate_recovery exist as well."""
-    given(rotate_recovery={"patience": 1.5, "sim_granularity": 0.017})
-    _, turn, _, again = made(plugins.recoveries)
-    assert turn is again
-    assert turn.parameters == {"patience": 1.5}
-    given(rotate_recovery={"patience": "long"})
-    with pytest.raises(ParameterError, match="~rotate_recovery/patience: must be a number of at least 0"):
-        made(plugins.recoveries)
 
 
 def test_move_base_parameters_recoveries_without_turning(given):

@@ -79,19 +79,6 @@ def test_planning_thread_never_plans_request_dropped_early(parts):
     assert planner.seen == [START, START]
 
 
-def test_planning_thread_uses_costmap_at_time_of_request(parts):
-    planner, costmap, planning = parts
-    planning.ask(costmap, START, GOAL)
-    angles = np.linspace(-3.0, 3.0, 60)
-    for _ in range(10):
-        costmap.observe(Pose2D(3.0, 3.0), angles, np.full(60, 1.0), 6.0)
-    planner.gate.set()
-    answer_of(planning)
-    assert costmap.has_marks
-    assert not planner.costmaps[0].has_marks
-    assert np.array_equal(planner.costmaps[0].clearance, Costmap(room()).clearance)
-
-
 @pytest.mark.parametrize("fails", ["value", "exit"])
 def test_planning_thread_raises_planner_errors_to_waiting_caller(parts, fails):
     planner, costmap, planning = parts
@@ -103,21 +90,6 @@ def test_planning_thread_raises_planner_errors_to_waiting_caller(parts, fails):
     planner.fails = ""
     planning.ask(costmap, START, GOAL)
     assert answer_of(planning).outcome is PlanOutcome.FOUND
-
-
-def test_planning_thread_logs_a_slow_plan(parts, monkeypatch):
-    planner, costmap, planning = parts
-    logged = []
-    monkeypatch.setattr(planning_thread.rospy, "logwarn", lambda text, *values: logged.append(text % values))
-    planning.ask(costmap, START, GOAL)
-    wait_until(lambda: planner.seen)
-    planning.log_delays()
-    assert logged == []
-    for seconds, times in ((1.0, 0), (2.5, 1), (3.5, 1), (4.5, 2)):
-        planning._running.begun = time.monotonic() - seconds
-        planning.log_delays()
-        assert len(logged) == times
-    assert "planning takes long: planning the robot's path for" in logged[0]
 
 
 # ---- missing commands --------------------------------------------------------------------------------------------

@@ -123,24 +123,6 @@ def test_stage_pace_ends_stage_with_itself(stage):
     assert process.returncode == 7
 
 
-def test_stage_pace_ends_stage_that_is_starting(monkeypatch):
-    real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-
-    def slow(command):
-        process = start(command)
-        os.kill(os.getpid(), signal.SIGINT)
-        return process
-
-    start = subprocess.Popen
-    monkeypatch.setattr(real_stage.subprocess, "Popen", slow)
-    try:
-        assert real_stage.run_command(["sleep", "600"]) == 128 + signal.SIGINT
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("there", "speed", "words"),
