@@ -274,10 +274,6 @@ class Mailbot:
         self._items.insert(0, atom("_cancel({},{},{})", name, what, self.cycle))
         self.takes = 0
 
-    def answer_now(self):
-        """Return the action of the present cycle."""
-        return next(one for one in self.answer if one.name == "_action_lib" and one.arguments[2].number == self.cycle)
-
     def _move(self, office, reason):
         assert office in self.graph[self.office] or (office == self.office and self.astray)
         way = frozenset((self.office, office))

@@ -24,6 +24,12 @@ def test_bench_of_domains_has_valid_plans_of_planners():
     assert cells["first/lama"] is None, "it has simultaneous actions"
 
 
+def test_bench_of_domains_leaves_cells_beyond_the_limit_empty(monkeypatch):
+    monkeypatch.setattr(peers, "folder_of", lambda package: None)
+    cells = domains.measure_row("tiles", "large", Namespace(seed=1, seconds=0.5, action_time=0.1, limit=1e-6))
+    assert set(cells.values()) == {None}
+
+
 def test_bench_of_many_goals_measures_a_batch(monkeypatch):
     monkeypatch.setattr(peers, "folder_of", lambda package: None)
     monkeypatch.setattr(comparison.CoreParameters, "plan_time", 0.05)

@@ -106,9 +106,13 @@ def test_required_node_that_did_not_fail_ends_nothing(serving, ended, monkeypatc
     assert ended == []
 
 
-@pytest.mark.parametrize("changes", [{"respawn": False}, {"pid": 1}], ids=["it would not", "of another"])
-def test_required_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes):
-    master(serving, monkeypatch, roslaunch(serving, **own(**changes)))
+@pytest.mark.parametrize(
+    ("changes", "required"),
+    [({"respawn": False}, True), ({"pid": 1}, True), ({}, "yes")],
+    ids=["no", "other", "optional"],
+)
+def test_required_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes, required):
+    master(serving, monkeypatch, roslaunch(serving, **own(**changes)), **{f"{NODE}/required": required})
     with pytest.raises(StartError), RequiredNode():
         raise StartError
     assert ended == []

@@ -118,3 +118,19 @@ def test_worker_failure_gives_the_node_exit_code_1(job, code):
     )
     assert done.returncode == code, done.stderr
     assert ("the worker failed, the node shuts down" in done.stderr) == bool(code)
+
+
+def test_worker_settlers_take_turns_and_name_due_time(make):
+    first, second = queue.Queue(), queue.Queue()
+
+    def soon():
+        second.put(1)
+        return 0.001
+
+    worker = make(lambda: first.put(1), period=3600.0)
+    worker.add(soon)
+    worker.put(lambda: None)
+    worker.start()
+    for _ in range(20):
+        first.get(timeout=PATIENCE)
+        second.get(timeout=PATIENCE)

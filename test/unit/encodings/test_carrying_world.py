@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from carrying_world import HOUSE, OFFICE, ROBOT, Play, Thing
+from carrying_world import HOUSE, OFFICE, ROBOT, Play
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import shipped
@@ -90,62 +90,3 @@ def check(name, seed, goals):
 @given(st.sampled_from(sorted(DOMAINS)), st.integers(0, 10**6))
 def test_carrying_world_loses_nothing_and_reports_the_truth(name, seed):
     check(name, seed, goals=sized(5, 8))
-
-
-class Deaf:
-    """A core that does nothing."""
-
-    def __init__(self):
-        self.facts = []
-
-    def send(self, key, text):
-        """Accept a goal with any delay."""
-
-    def tell(self, facts):
-        self.facts += facts
-
-
-def test_carrying_world_ignores_goals_that_cross_an_action():
-    """A goal asks for a package that is being returned: the core can have sent the put-down already."""
-    plays = []
-    for known in (False, True):
-        play = Play(OFFICE, Deaf(), Random(1), 0)
-        play.things["2"], play.calm = Thing(ROBOT, origin=play.robot), True
-        play.wish("2")
-        (wish,) = play.live.values()
-        assert wish.to != play.robot
-        if known:
-            play.acknowledged(wish.key)
-            play.command("_action_lib(move_base,office2,5)")  # this goal can have crossed the action as well
-            play.command("_action_lib(move_base,office1,6)")
-        play.command("_action_lib(deliver,2,7)")
-        play.command("_action_lib(move_base,office2,8)")
-        plays.append(play)
-    crossed, late = plays
-    assert crossed.faults == []
-    assert len(late.faults) == 1
-    assert "is to be put down at office1" in late.faults[0]
-
-
-@pytest.mark.parametrize(("status", "faults"), [("aborted", 0), ("canceled", 2)])
-def test_carrying_world_accepts_action_before_end_of_its_goal(status, faults):
-    """The package of an aborted goal is returned; the end of the goal arrives on a topic of its own."""
-    play = Play(OFFICE, Deaf(), Random(1), 0)
-    play.things["2"], play.calm = Thing(ROBOT, origin=play.robot, missed=True), True
-    play.wish("2")
-    (wish,) = play.live.values()
-    wish.known = wish.heard = wish.missed = True
-    play.command("_action_lib(deliver,2,7)")
-    play.ended(wish.key, status, "")
-    assert len(play.faults) == faults, play.story
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_carrying_world_sends_no_return_before_its_action(seed):
-    """A core that is ahead would take it for the real return."""
-    core = Deaf()
-    play = Play(OFFICE, core, Random(seed), 0)
-    for _ in range(40):
-        play.stir()
-    reported = {fact for fact in core.facts if fact.startswith("_return")}
-    assert {fact for fact in reported if not fact.endswith(f",{play.cycle - 1})")} == set()

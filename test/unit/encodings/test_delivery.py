@@ -5,13 +5,10 @@ from pathlib import Path
 
 import pytest
 from clingo.ast import ASTType
-from core_driver import Driver
 
-from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.signatures import Signature, occurrences
 from rosoclingo.oclingo.program.sources import Source, read_sources
-from rosoclingo.reasoning.settings import CoreSettings
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))
@@ -66,25 +63,3 @@ def test_delivery_constants_do_not_clash_with_names_of_things():
     names = {one.name for one in statements(*FILES) if one.ast_type == ASTType.Definition}
     assert {name for name in names if not name.startswith("_")} == {"capacity", "tries"}
     assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period", "_most", "_late"}
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("thing", ["window", "told", "memory", "period"])
-def test_delivery_things_can_have_any_name(thing):
-    files = [ENCODINGS / "house.lp", ENCODINGS / "home.lp"]
-    sources = [*map(Source.from_file, files), Source("more", f"#program base. thing({thing},kitchen).")]
-    house = Driver(settings=CoreSettings(), program=ReactiveProgram(sources))
-    house.goal("first", f"bring(bedroom,{thing})").finish()
-    assert house.states("first")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-def test_delivery_domains_can_use_the_names_of_helpers():
-    own = "#program cumulative(t). closed(shop,t). line(1). valid(1,t). check(t). idle(t). shut(office1,t). way(a,b)."
-    files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
-    program = ReactiveProgram([*map(Source.from_file, files), Source("own", own)])
-    mailbot = Driver(settings=CoreSettings(), program=program)
-    mailbot.goal("first", "goal(office3,office2,1)").finish()
-    assert mailbot.states("first")[-1] == "succeeded"
-    assert len(mailbot.journal.actions) == 5

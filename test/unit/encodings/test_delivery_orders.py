@@ -3,8 +3,7 @@
 import pytest
 from mailbot_world import neighbours, program
 from office_world import Office
-from test_heuristic import ROW, TWO_RINGS, errands
-from workloads import sized
+from test_heuristic import ROW, errands
 
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.history import cycle_of
@@ -32,10 +31,9 @@ def improved(corridors, requests, questions):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("corridors", sized([ROW], [ROW, TWO_RINGS]))
-def test_reorder_first_better_plan_is_far_better(corridors, monkeypatch):
-    """One further question turns 116 and 124 steps into 96 and 94."""
+def test_reorder_first_better_plan_is_far_better(monkeypatch):
+    """One further question turns 116 steps into 96."""
     monkeypatch.setattr(reorder, "EFFORT", 40_000)  # as in a core; other tests try fewer orders
-    first, steps = improved(corridors, errands(20, 20), 1)
+    first, steps = improved(ROW, errands(20, 20), 1)
     assert first > 110
     assert steps <= 100

@@ -20,7 +20,6 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
-STAR = ((1, 2), (1, 3), (1, 4))
 
 
 def program(corridors, starts, room=1, **constants):
@@ -134,13 +133,6 @@ def test_fleet_robots_act_at_the_same_time():
     assert fleet.world.at["r2"] == 5
 
 
-@pytest.mark.slow
-def test_fleet_robots_without_a_task_stand_still():
-    fleet = Fleet(RING, {"r1": 1, "r2": 3, "r3": 5})
-    fleet.ask(1, 2, 6).end_all()
-    assert len({re.search(r"r\d", str(one)).group() for one in fleet.journal.actions}) == 1
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("robots", [3, 2, 4])
@@ -178,21 +170,6 @@ def test_fleet_uses_the_first_robots():
 
 
 @pytest.mark.slow
-def test_fleet_makes_way_at_a_dead_end():
-    """The robot in the middle of a star has to leave it before the other one can pass."""
-    fleet = Fleet(STAR, {"r1": 1, "r2": 2}, solver=shortest)
-    fleet.ask(1, 3, 4).ask(2, 2, 4).end_all()
-    assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
-
-
-@pytest.mark.slow
-def test_fleet_passes_in_a_row_with_room_for_two():
-    row = ((1, 2), (2, 3))
-    fleet = Fleet(row, {"r1": 1, "r2": 2}, room=2, solver=shortest)
-    assert fleet.ask(1, 1, 3).end_all().last(1) == "succeeded"
-
-
-@pytest.mark.slow
 def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     fleet = Fleet(RING, {"r1": 1, "r2": 4})
     fleet.ask(1, 1, 2).end("r1")  # on board of r1
@@ -203,17 +180,6 @@ def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     fleet.under_way.pop("r1", None)
     fleet.end_all()
     assert (fleet.last(2), fleet.world.delivered) == ("succeeded", [2])
-
-
-@pytest.mark.slow
-def test_fleet_accepts_a_late_fact_about_a_robot_that_acts():
-    fleet = Fleet(RING, {"r1": 1, "r2": 4}, solver=shortest)
-    fleet.ask(1, 1, 2).end("r1").end("r1")
-    assert fleet.under_way["r1"].interface.name == "deliver"
-    fleet.facts("_lost(r1,2)")
-    assert fleet.problems == []
-    fleet.end_all()
-    assert fleet.world.delivered == [1]
 
 
 @pytest.mark.slow
@@ -250,20 +216,6 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
     assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize("reason", [None, "lost"])
-def test_fleet_lost_robot_that_picks_up_decides_its_request_by_its_return(reason):
-    """Nobody else can reach the package while the lost robot stands at its place."""
-    fleet = Fleet(RING, {"r1": 1, "r2": 4})
-    fleet.ask(1, 4, 6).facts("_lost(r2,now)").ask(2, 1, 2)
-    assert (fleet.last(1), fleet.journal.problems) == ("active", [])
-    fleet.end("r1").end("r1")
-    fleet.end("r2") if reason is None else fleet.break_off("r2", reason)
-    fleet.end_all()
-    assert (fleet.last(1), fleet.last(2)) == ("aborted", "succeeded")
-
-
 @pytest.mark.sampled(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [None, "failed"])
@@ -278,14 +230,6 @@ def test_fleet_robot_that_was_lost_while_it_picked_up_delivers(reason, back_firs
             fleet.end("r2") if reason is None else fleet.break_off("r2", reason)
     fleet.end_all()
     assert fleet.last(1) == ("succeeded" if back_first else "aborted")
-
-
-@pytest.mark.slow
-def test_fleet_takes_a_detour_around_a_blocked_connection():
-    fleet = Fleet(RING, {"r1": 1})
-    fleet.ask(1, 1, 2).end("r1").break_off("r1", "blocked")
-    fleet.end_all()
-    assert (fleet.last(1), fleet.world.at) == ("succeeded", {"r1": 2})
 
 
 EVENTS = ("end", "end", "end", "ask", "fail", "cancel", "lost", "back", "decommission", "recommission")

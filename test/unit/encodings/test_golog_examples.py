@@ -38,16 +38,10 @@ SLOW_RUNS = {
     "coffee that cannot be bought is done without": ("airport", """
         facts _set(delayed,now) _set(parked(a),now); goal g run(catch_plane,1); step go(airport) look buy_paper go(a)
         breaks buy_coffee closed; performs board(a)"""),
-    "coffee that is cancelled goes back": ("coffee", """
-        facts _set(wants(office),now); goal g run(round,1); step go(kitchen) fetch; cancel g; step go(office)
-        performs go(kitchen) pour_back; is g preempted"""),
     "the elevator serves alarm, temperature and calls in this order": ("reactive_elevator", """
         goal g run(control,1); tell _set(call(3)); step down(2) up(1); tell _set(too_hot); succeed; step fan_on
         tell _unset(too_hot) _set(alarm); performs reset(3) ring; tell _set(too_cold); does; tell _unset(alarm)
         step silence fan_off; performs down(3) down(2) down(1); tell _set(stopped); is g succeeded"""),
-    "the gate is seen at the airport, and a paper bought while there is time": ("airport", """
-        goal g run(catch_plane,1); performs go(airport) look; is g active; tell _set(delayed) _set(parked(b))
-        step buy_paper; tell _unset(delayed); performs go(b) board(b); is g succeeded"""),
     "a delivery that fails is tried once more": ("coffee", """
         facts _set(wants(lab),now); goal g run(round,1); step go(kitchen) fetch go(lab); breaks serve(lab) spilled
         step go(kitchen) go(lab); breaks serve(lab) spilled; performs sorry(lab); is g succeeded"""),
@@ -65,13 +59,6 @@ SLOW_RUNS = {
 def test_golog_example_runs_as_published(row):
     name, script = row
     run(example(name), script, CoreSettings())
-
-
-@pytest.mark.slow
-def test_golog_coffee_reaches_all_who_want_some():
-    driver = run(example("coffee"), "facts _set(wants(lab),now) _set(wants(office),now); goal g run(round,1)")
-    served = ["go(kitchen) fetch go({}) serve({})".format(*[one] * 2) for one in ("lab", "office")]
-    assert " ".join(driver.rest()) in (" ".join(served), " ".join(reversed(served)))
 
 
 @pytest.mark.sampled(3)
@@ -94,13 +81,6 @@ def test_golog_coffee_reaches_all_who_want_some():
 )
 def test_golog_example_has_exactly_the_published_plans(name, request_, found):
     assert plans(example(name), request_) == found
-
-
-@pytest.mark.slow
-def test_golog_builds_each_tower_of_three_blocks():
-    found = plans(example("blocks"), "some_tower")
-    assert len(found) == 6
-    assert all(one.startswith("put(3) put(2) move(") for one in found)
 
 
 # -- the elevator of the first paper, and mail
@@ -141,16 +121,6 @@ THIRD, FIFTH, SECOND = SERVE.format(3), SERVE.format(5), SERVE.format(2)
 def test_golog_elevator_has_the_plans_of_the_paper(facts, control, first, found):
     constants = {} if first == "4" else {"first": first}
     assert plans(shipped_example("elevator", facts, **constants), control, pairs=True) == found
-
-
-@pytest.mark.slow
-def test_golog_elevator_serves_calls_while_it_runs():
-    driver = run(
-        shipped_example("elevator", "calls(3)."),
-        "goal g run(control,1); does down,3,1; facts _pressed(6,now); finish; is g succeeded",
-        CoreSettings(),
-    )
-    assert "_action_lib(turnoff,6,6)" in driver.journal.actions
 
 
 @pytest.mark.slow

@@ -32,73 +32,35 @@ proc ended1 { prefer { a; while f { d; } await g; } over { b; c; } }
 proc ended2 { prefer { a; if f { d; } else { } await g; } over { b; c; } }
 """
 
-
 FAILING = [
     ("a; b;", {"a": 1}, "a a b", "succeeded"),
     ("a; b;", {"a": 3}, "a a a", "aborted"),
-    ("choose { a; b; } or { c; d; a; }", {"b": 3}, "a b b b", "aborted"),
     ("choose { a; } or { c; d; }", {"a": 3}, "a a a c d", "succeeded"),
-    ("choose { a; c; } or { a; b; d; }", {"c": 3}, "a b c c c d", "succeeded"),
     ("try { a; b; } else { c; } d;", {"b": 1}, "a b c d", "succeeded"),
-    ("try { try { a; } else { b; } } else { c; }", {"a": 1, "b": 1}, "a b c", "succeeded"),
     ("try { while not f { a; test f; } } else { c; }", {}, "", "aborted"),
-    ("retry 1 { a; b; } c;", {"b": 1}, "a a b b c", "succeeded"),
     ("try { retry 1 { a; b; } } else { c; }", {"b": 2}, "a a b b c", "succeeded"),
     ("interleave { try { a; } else { b; } } with { c; d; }", {"a": 1}, "a b c d", "succeeded"),
-    ("prefer { try { a; } else { } } over { c; }", {"a": 1}, "a c", "succeeded"),
-    ("prefer { a; } over { c; }", {"a": 3}, "a a a", "aborted"),
-    ("search { a; b; } c;", {"b": 1}, "a b b c", "succeeded"),
-    ("any order { a; } and { try { b; } else { c; } }", {"b": 1}, "a b c", "succeeded"),
-    ("pick X in {b, a} { try { other(X); } else { d; } }", {"a": 1, "b": 1}, "d", "succeeded"),
-    ("do { a; b; } on cancel { tidy; }", {"a": 1, "b": 1}, "a a b b", "succeeded"),
     ("do { a; b; } on cancel { tidy; }", {"b": 3}, "a b b b tidy", "aborted"),
-    ("star { a; } b;", {"b": 1}, "b b", "succeeded"),
-    ("test true; if f { a; } else { b; } c;", {"b": 1}, "b b c", "succeeded"),
-    ("achieve true; any;", {"a": 1, "b": 1, "c": 1, "d": 1, "tidy": 1}, None, "succeeded"),
-    ("prefer { interrupts { when f { } } until true; } over { a; }", {"a": 2}, "a a a", "succeeded"),
-    ("other(a);", {"a": 2}, "a a a", "succeeded"),
 ]
 
 CANCELLED = [
     ("a; b; c;", 1, ""),
-    ("do { a; b; } on cancel { tidy; } c;", 1, "tidy"),
-    ("do { a; b; } on cancel { tidy; } c;", 2, ""),
     ("do { do { a; b; } on cancel { c; } } on cancel { tidy; }", 1, "c tidy"),
     ("interleave { do { a; b; } on cancel { c; } } with { test false; }", 0, None),
     ("search { do { a; b; } on cancel { tidy; } }", 1, "tidy"),
-    ("try { do { a; b; } on cancel { tidy; } } else { d; }", 1, ""),  # the failed search was dropped
-    ("retry 2 { do { a; b; } on cancel { tidy; } }", 1, ""),
-    ("while not f { do { a; b; } on cancel { tidy; } test f; }", 1, None),
     ("prefer { await f; a; } over { do { b; c; } on cancel { tidy; d; } }", 1, "tidy d"),
     ("any order { do { a; b; } on cancel { tidy; } } and { do { c; d; } on cancel { tidy; } }", 1, "tidy"),
 ]
 
 HAPPENING = [
     ("a; if f { b; } else { c; }", ["_set(f,now)"], "a b"),
-    ("a; while f { b; } c;", [], "a c"),
-    ("a; await f; b;", ["_set(f,now)"], "a b"),
     ("a; test f; b;", ["_set(f,now)"], None),
     ("choose { a; b; } or { a; c; }", ["_set(no(b),now)"], "a c"),
-    ("choose { a; test not f; b; } or { a; c; d; }", ["_set(f,now)"], "a c d"),
-    ("a; pick X: wanted(X) { if X = 1 { b; } else { c; } }", ["_set(wanted(2),now)"], None),
     ("a; await some X: wanted(X); pick X: wanted(X) { if X = 1 { b; } else { c; } }", ["_set(wanted(2),now)"], "a c"),
-    ("interrupts { when f { b; } when not g { a; } } until g;", [], None),
     ("prefer { interrupts { when f { b; await not f; } } until g; } over { a; c; }", ["_set(g,now)"], "a c"),
-    ("any order { a; } and { await f; b; }", ["_set(f,now)"], "a b"),
     ("interleave { a; c; } with { await f; b; d; }", ["_set(f,now)"], "a b c d"),
     ("search { a; await f; b; }", ["_set(f,now)"], "a b"),
-    ("star { a; } await f; b;", ["_set(f,now)"], "b"),
-    ("prefer { alone { a; await f; b; } } over { c; }", ["_set(f,now)"], "a b c"),
-    (
-        "prefer { interrupts { when not g { alone { a; await g; b; } } } until g; } over { d; }",
-        ["_set(g,now)"],
-        "a b d",
-    ),
-    ("try { a; await f; b; } else { }", ["_set(f,now)"], "a b"),
-    ("retry 2 { a; await f; b; }", ["_set(f,now)"], "a b"),
     ("do { a; await f; b; } on cancel { }", ["_set(f,now)"], "a b"),
-    ("other;", ["_set(f,now)"], "a b"),
-    ("interrupts { when f { c; } } until true; await f; b;", ["_set(f,now)"], "b"),
 ]
 
 #: Programs without a continuation, and their reasons.
@@ -134,10 +96,7 @@ def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
     driver = core(text)
     found = driver.rest(**{name: ["stuck"] * times for name, times in reasons.items()})
     assert driver.states("g")[-1] == end
-    if actions == "d":  # either of them
-        assert found in (["a", "d"], ["b", "d"])
-    elif actions is not None:
-        assert sorted(found) == actions.split()
+    assert sorted(found) == actions.split()
 
 
 @pytest.mark.sampled(4)
@@ -177,15 +136,9 @@ SCENES = {
     "program that waits lets others act": """
         goal g run(other,1); performs a; goal h run(one(c),2); performs c; is g active; is h succeeded
         facts _set(f,now); performs b; is g succeeded""",
-    "action can have been another's where others can act": """
-        facts _set(shared,now); goal g run(either,1); facts _set(f,now) _set(no(c),now); performs a b
-        is g succeeded""",
     "nobody acts while a search waits": """
         goal g run(late,1); step d a; goal h run(one(d),2); succeed; does; is h active; facts _set(f,now)
         performs b d; is g succeeded; is h succeeded""",
-    "nobody acts once a search waits": """
-        goal g run(late,1); step d a c; goal h run(one(d),2); does; is h active; facts _set(f,now); performs b d
-        is g succeeded; is h succeeded""",
     **{f"ended program does not begin again: {name}": f"""
         goal g run({name},1); step a; does act,b,2; facts _set(f,now); performs b c"""
        for name in ("ended1", "ended2")},
@@ -197,12 +150,9 @@ SCENES = {
 SLOW_SCENES = {
     "preempted program tries again": f"""
         goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
-    "interrupt without an end that can be planned": "goal g run(endless,1); is g aborted",
     "interrupt precedes the action under way": """
         goal g run(served,1); facts _set(f,now); step a; does act,c,2; facts _unset(f,now); step c; performs b d
         is g active; facts _set(g,now); is g succeeded""",
-    "failures are counted again once the action has worked": """
-        goal g run(twice,1); breaks a; breaks a; step a b; breaks a; breaks a; step a c; is g succeeded""",
     "failures are counted again when a program is asked for or cancelled": """
         goal g run(pair,1); breaks a; breaks a; goal h run(waiting,2); breaks a; breaks a; cancel h; breaks a; breaks a
         is g active; is h preempted; performs a b""",
@@ -221,27 +171,6 @@ SLOW_SCENES = {
 @scripts(SCENES, SLOW_SCENES)
 def test_golog_scene_follows_the_script(row):
     run(program(), row)
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["search1", "search2", "search3"])
-def test_golog_waiting_search_within_others_blocks_them_all(name):
-    driver = run(program(), f"goal g run({name},1); does act,a,1; succeed; does; facts _set(f,now)")
-    assert sorted(driver.rest()) == ["b", "c", "d"]
-    assert driver.states("g")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-def test_golog_action_belongs_to_a_single_program():
-    driver = run(program(), "goal g run(pair,1); goal h run(ac,2)")
-    assert sorted(driver.rest()) == ["a", "a", "b", "c"]
-    assert [driver.states(key)[-1] for key in "gh"] == ["succeeded", "succeeded"]
-
-
-@pytest.mark.slow
-def test_golog_no_other_action_interrupts_a_search():
-    assert "a b c" in " ".join(run(program(), "goal g run(row,1); goal h run(one(d),2)").rest())
 
 
 @pytest.mark.parametrize(("text", "why"), UNMET)
@@ -282,15 +211,5 @@ def test_golog_domain_request_waits_during_a_search(first, end):
         facts _hour(morning,now); goal g run({first}); goal early goal(office4,office1,1); succeed; does
         goal late goal(office3,office1,2); is early active; is late active; goal off goal(office3,office1,3)
         cancel off; is off preempted; {end}; finish; is early succeeded; is late succeeded""",
-        CoreSettings(),
-    )
-
-
-@pytest.mark.slow
-def test_golog_begins_no_search_to_defer_a_request():
-    run(
-        mailbot(),
-        """
-        goal g goal(office4,office3,1); goal h run(hold); finish; is g succeeded; is h active""",
         CoreSettings(),
     )

@@ -4,13 +4,11 @@ from functools import lru_cache
 
 import pytest
 from busy_driver import BusyDriver
-from core_driver import Driver, shortest
+from core_driver import Driver
 from core_scripts import play, scripts
 from golog_scripts import domain_with, run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-
-from rosoclingo.oclingo import parse_update
 
 PROGRAMS = """
 proc short { a; b; }
@@ -44,16 +42,9 @@ STORIES = {
     "each program of an identifier is undone in turn": """
         goal old run(patient,1); succeed; stuck 3; goal new run(patient,1); succeed; cancel new; fail stuck
         is old aborted; is new preempting; does; facts _set(f,now); performs tidy tidy; is new preempted""",
-    "rejected goal does not end the undo of an earlier one": f"""
-        {GIVEN_UP}; goal new run(othr,1); succeed; is new rejected; step calm; goal last run(short,1); finish
-        is last succeeded""",
-    "impossible undo of an aborted goal is dropped": f"""
-        {GIVEN_UP}; stuck 3; does; is old aborted; goal new run(short,1); finish; is new succeeded""",
     "impossible undo of a cancelled goal is dropped": """
         goal old run(tidied,1); succeed; cancel old; fail stuck; stuck 3; does; is old preempted
         says old ...not all that was begun could be undone...; goal new run(short,1); finish; is new succeeded""",
-    "partial undo goes as far as possible": """
-        goal g run(doubtful,1); succeed; cancel g; fail stuck; step tidy; is g preempted""",
     "runs of the same program do not touch each other": """
         goal g run(tidied,1); goal h run(tidied,2); goal i run(short); succeed; cancel h; finish
         is g succeeded; is h preempted; is i succeeded""",
@@ -72,30 +63,6 @@ def test_golog_programs_are_sent_again(row):
 
 
 @pytest.mark.slow
-def test_golog_second_program_of_id_runs_with_undo_of_first():
-    driver, done = run(program(), f"{GIVEN_UP}; goal new run(tidied,1); succeed"), []
-    while driver.doing not in (["b"], []):
-        done += driver.doing
-        driver.succeed()
-    done += driver.cancel("new").fail("stuck").rest()
-    assert sorted(done) == ["a", "calm", "calm", "tidy"]
-    assert driver.states("new")[-1] == "preempted"
-    assert not driver.problems
-
-
-@pytest.mark.slow
-def test_golog_further_cancel_ends_undo_of_first_program():
-    solver = shortest(program())
-    done = ":- not _action_lib(act,{0},{1}). _return(act,{0},{1}). _request(cancel(1),{2})."
-    solver.update(parse_update("#step 1 : 20. _request(run(tidied,1),2). #endstep."))
-    (answer,) = solver.update(parse_update(f"#step 2 : 20. {done.format('a', 1, 2)} #endstep.")).answers
-    assert {"_action_lib(act,tidy,2)", "_action_lib(act,calm,3)"} <= set(map(str, answer))
-    (answer,) = solver.update(parse_update(f"#step 3 : 20. {done.format('tidy', 2, 3)} #endstep.")).answers
-    assert "_status(1,canceled,3)" in map(str, answer)
-    assert not any(atom.name == "_action_lib" and atom.arguments[2].number > 2 for atom in answer)
-
-
-@pytest.mark.slow
 def test_golog_program_not_yet_begun_can_be_withdrawn():
     driver = BusyDriver(program=program(), most=2).goal("g", "run(waiting,1)").succeed().goal("h", "run(late,2)")
     driver.most = 1
@@ -104,17 +71,6 @@ def test_golog_program_not_yet_begun_can_be_withdrawn():
     play(driver, "facts _set(f,now); finish; is g succeeded; is h succeeded")
     assert [action.split(",")[1] for action in driver.journal.actions] == ["a", "b", "c"]
     assert "#withdraw _request(run(late,2)," in driver.journal.stream
-
-
-@pytest.mark.slow
-def test_golog_programs_that_have_begun_are_not_withdrawn():
-    driver = BusyDriver(program=program(), most=2)
-    play(driver, "goal g run(waiting,g); succeed; goal h run(waiting,h); succeed")
-    driver.most = 1
-    driver.facts("_set(f,now)")
-    assert driver.core.queue.waiting == []
-    play(driver, "finish; is g succeeded; is h succeeded")
-    assert [action.split(",")[1] for action in driver.journal.actions] == ["a", "a", "b", "b"]
 
 
 # ---- in any order ----------------------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ from itertools import chain
 
 import clingo
 import pytest
-from clingo.backend import Observer
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mailbot_world import fewest_steps, neighbours, program
@@ -21,23 +20,8 @@ ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 12))
 
 ROW = tuple((number, number + 1) for number in range(1, 20))
 STAR = tuple((1, number) for number in range(2, 21))
-RING = tuple((number, number % 8 + 1) for number in range(1, 9))
-TWO_RINGS = (*RING, *((a + 8, b + 8) for a, b in RING), (5, 17), (17, 9), (3, 18), (12, 19), (19, 20))
 THETA = (*((number, number + 1) for number in range(1, 12)), (1, 12), (4, 10))
 MESH = tuple((a, a + step) for a in range(1, 17) for step in (1, 4) if (a < 13 if step == 4 else a % 4))
-
-
-class Count(Observer):
-    """Counts ground rules and heuristic statements."""
-
-    def __init__(self):
-        self.statements = 0
-
-    def rule(self, choice, head, body):
-        self.statements += 1
-
-    def heuristic(self, atom, type_, bias, priority, condition):
-        self.statements += 1
 
 
 def mailbot(corridors, capacity=3, **constants):
@@ -60,24 +44,18 @@ def errands(number, offices):
     return [(a, b if b != a else b % offices + 1) for a, b in pairs]
 
 
-def ground(program, requests, horizon, heuristic="Domain", facts=(), observer=None):
-    """Return a control grounded up to the horizon, where a plan has to end, and the counts of each step."""
+def ground(program, requests, horizon, facts=()):
+    """Return a control grounded up to the horizon, where a plan has to end."""
     control = clingo.Control(program.arguments(), logger=lambda code, text: None)
-    control.configuration.solver.heuristic = heuristic
-    if observer is not None:
-        control.register_observer(observer)
+    control.configuration.solver.heuristic = "Domain"
     program.load_into(control)
     items = [f"_request(goal(o{a},o{b},{number}),2)." for number, (a, b) in enumerate(requests, 1)]
     control.add("stream", [], " ".join([*items, *(f"{fact}." for fact in facts)]))
     control.ground([("base", []), ("stream", [])])
     steps = [[("cumulative", [number]), ("volatile", [number])] for number in map(clingo.Number, range(1, horizon + 1))]
-    counts = []
-    for parts in steps if observer is not None else [list(chain(*steps))]:  # grounding all at once takes half the time
-        before = observer and observer.statements
-        control.ground(parts)
-        counts.append(observer and observer.statements - before)
+    control.ground(list(chain(*steps)))
     control.assign_external(clingo.parse_term(f"__oclingo_volatile(1,{horizon})"), True)
-    return control, counts
+    return control
 
 
 def plan(control, conflicts=LIMIT):
@@ -125,44 +103,10 @@ def test_heuristic_finds_plan_for_many_requests_without_conflicts(corridors, num
     offices = max(max(pair) for pair in corridors)
     requests = errands(number, offices)
     longest = 3 * nearest_first(corridors, requests) // 2
-    control, _ = ground(mailbot(corridors), requests, longest)
+    control = ground(mailbot(corridors), requests, longest)
     found = plan(control)
     assert found is not None
     assert sum(one.arguments[0].name == "deliver" for one in found) == number
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("offices", "number"), [(4, 20), (20, 8)])
-def test_heuristic_beats_nearest_place_first_on_a_row(offices, number):
-    requests = errands(number, offices)
-    fewest = nearest_first(ROW[: offices - 1], requests)
-    control, _ = ground(mailbot(ROW[: offices - 1]), requests, fewest)
-    assert len(plan(control)) < fewest
-
-
-@pytest.mark.parametrize(("end", "steps"), [(9, 16), (4, 23)], ids=["far ahead", "not far"])
-def test_heuristic_turns_back_for_load_that_goes_far_ahead(end, steps):
-    """With room for two it passes office 2, and has room again at office 3."""
-    control, _ = ground(mailbot(ROW[:8], 2), [(1, 3), (1, 9), (2, end)], 30)
-    assert len(plan(control)) == steps
-
-
-@pytest.mark.slow
-def test_heuristic_is_needed_within_the_conflict_limit():
-    requests = errands(20, 4)
-    control, _ = ground(mailbot(ROW[:3]), requests, nearest_first(ROW[:3], requests), heuristic="Vsids")
-    assert plan(control) is None
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("way", [(1, 2), (4, 5), (4, 10), (11, 12)])
-def test_heuristic_finds_plan_soon_with_a_blocked_way(way):
-    requests = errands(8, 12)
-    horizon = 3 * nearest_first(THETA, requests) // 2
-    control, _ = ground(mailbot(THETA), requests, horizon, facts=["_blocked(o{},o{},1)".format(*way)])
-    found = plan(control, conflicts=300)
-    assert found is not None
 
 
 @pytest.mark.slow
@@ -190,27 +134,12 @@ def test_heuristic_changes_no_answer(file, data):
 
 def solve(program, requests, horizon, conflicts="umax", models=0, facts=()):
     """Search for plans that end at the horizon, with a limit of conflicts; return the result and the plans."""
-    control, _ = ground(program, requests, horizon, facts=facts)
+    control = ground(program, requests, horizon, facts)
     control.configuration.solve.models = str(models)
     control.configuration.solve.solve_limit = f"{conflicts},umax"
     plans = set()
     result = control.solve(on_model=lambda model: plans.add(frozenset(map(str, model.symbols(shown=True)))))
     return result, plans
-
-
-@pytest.mark.slow
-def test_heuristic_rules_of_a_step_grow_linearly():
-    def cost(offices, number):
-        """Return the number of statements that the heuristic adds to each step."""
-        whole = mailbot(STAR[: offices - 1])
-        requests = errands(number, offices)
-        counts = [ground(one, requests, 20, observer=Count())[1] for one in (whole, without("heuristic.lp", whole))]
-        return [more - less for more, less in zip(*counts)]
-
-    small, large = cost(6, 3), cost(9, 6)
-    assert max(small) <= 18 * (6 + 3)
-    assert max(large) <= 18 * (9 + 6)
-    assert large[-1] == large[-2]
 
 
 def test_heuristic_of_a_domain_applies_to_the_house():
@@ -220,24 +149,6 @@ def test_heuristic_of_a_domain_applies_to_the_house():
 
 
 # -- the bound on the steps of a plan
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("window", "hopeless"), [(1, 3), (60, 1)])
-def test_plan_bound_counts_several_loads(window, hopeless):
-    """Seven packages, three at a time, over one corridor: three loads in one direction or the other."""
-    there, back = [(1, 2)] * 7, [(2, 1)] * 7
-    program = mailbot([(1, 2)], 3, _window=str(window))
-    for requests, fewest in ((there, 14 + 5), (back, 14 + 6), (there + back, 28 + 6)):
-        assert solve(program, requests, fewest - hopeless, conflicts=1)[0].unsatisfiable
-        assert solve(program, requests, fewest, models=1)[0].satisfiable
-
-
-@pytest.mark.slow
-def test_plan_bound_refutes_short_horizons_at_once():
-    """Twenty-four packages go from one end of a row to the other in eight loads: at least 48 + 15 * 5 actions."""
-    program = mailbot([(1, 2), (2, 3), (3, 4), (4, 5), (5, 6)], 3)
-    assert solve(program, [(1, 6)] * 24, 48 + 75 - 10, conflicts=1)[0].unsatisfiable
 
 
 @pytest.mark.slow
@@ -276,27 +187,3 @@ def test_plan_bound_refutes_goals_behind_blocked_way_at_once():
         assert solve(program, [*near, request, *near], 60, conflicts=1, facts=shut)[0].unsatisfiable
     assert solve(program, near, 30, models=1, facts=shut)[0].satisfiable
     assert solve(program, near + far, 60, conflicts=1, models=1)[0].unsatisfiable is not True
-
-
-@pytest.mark.slow
-def test_plan_bound_is_recomputed_only_for_few_requests():
-    """It grounds nothing if many requests come at once, and only the loads of a few if many came before."""
-    program = mailbot([(1, 2)], 3)
-    assert steps_of("_check", ground(program, [(1, 2)] * 16, 20)[0]) == {1, 9, 17}
-    assert steps_of("_check", ground(program, [(1, 2)] * 17, 20)[0]) == {1}
-    more = [f"_request(goal(o1,o2,{number}),3)" for number in range(20, 36)]
-    control, loads = ground(program, [(1, 2)] * 16, 20, facts=more)[0], {}
-    for atom in control.symbolic_atoms.by_signature("_loads", 3):
-        number, step = (one.number for one in atom.symbol.arguments[1:])
-        loads[step] = max(loads.get(step, 0), number)
-    assert loads == {1: 6, 2: 11, 10: 6, 18: 6}
-
-
-def steps_of(name, control):
-    return {atom.symbol.arguments[0].number for atom in control.symbolic_atoms.by_signature(name, 1)}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("capacity", [0, -1])
-def test_plan_bound_is_finite_for_robot_without_capacity(capacity):
-    assert solve(mailbot([(1, 2)], capacity), [(1, 2), (2, 1)], 9)[0].unsatisfiable

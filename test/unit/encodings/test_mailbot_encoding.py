@@ -8,13 +8,12 @@ from core_driver import Driver, shortest
 from core_scripts import perform, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mailbot_world import Mailbot, fewest_steps, neighbours
+from mailbot_world import Mailbot
 from shipped import ENCODINGS, shipped
 from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.reasoning.explanations import text_of
 from rosoclingo.reasoning.settings import CoreSettings
 
 ROW = tuple((number, number + 1) for number in range(1, 6))
@@ -98,7 +97,6 @@ def happens(robot, data, count):
 
 #: The floor, and the events for a robot that starts in office 1 and carries at most three packages.
 LIVES = {
-    "idle cycles": (ROW, f"request 1 4 2; works 1; {'idle;' * 12} finish; ended 1 succeeded"),
     **{f"no failure is tried for ever: {reason}": (FLOOR, f"""
         request 1 3 6; only_fails {reason}; gives_up; rests; request 2 3 6; finish; ended 1 canceled 2 succeeded""")
        for reason in ("failed", "blocked")},
@@ -111,9 +109,6 @@ LIVES = {
     **{f"somebody else drives it until somebody asks, in {place}": (ROW, f"""
         request 1 {place} 1; fails preempted 3; has_no_plan; cancel 1; rests; explains somebody else drives the robot
         request 2 2 1; fails preempted; finish; ended 1 canceled 2 succeeded""") for place in (1, 2)},
-    "somebody else drives it with its load": (ROW, """
-        request 1 1 3; works 1; fails preempted 3; has_no_plan; cancel 1; rests; place 1 rides o1; request 1 1 2
-        finish 2; ended 1 succeeded"""),
     "actions that the core ends are not failures": (ROW, f"""
         request 1 2 1; {"fails preempted; called_off;" * 5} finish; ended 1 succeeded"""),
     "things that could not be put down are asked for again": (ROW, """
@@ -122,9 +117,6 @@ LIVES = {
     "things that are lost on the way are asked for where they are": (ROW, """
         request 1 1 2; works 2; fails failed 3; request 1 1 2; fails not_carried; rests
         ended 1 aborted(("package ",1," is not on the robot")); request 1 3 2; finish; ended 1 succeeded"""),
-    "cancel and failure together": (ROW, """
-        request 1 1 3; fails failed; cancel 1; rests; request 1 1 3; works 2; fails blocked; cancel 1; finish 2
-        ended 1 canceled"""),
     "package that cannot be brought back until the way is open again": (ROW, """
         request 1 1 3; works 2; request 2 2 1; works 1; cancel 1; fails blocked; has_no_plan; cancel 2; finish
         place 1 rides o1; place 2 None; request 3 1 2; finish; place 1 None; place 2 None; place 3 None
@@ -156,10 +148,6 @@ class Robot(Mailbot):
         while (ahead := self.plan()) is not None:
             assert self.cycle < 20
             self.act(ahead[0], reason)
-
-    def idle(self):
-        """Pass a cycle without an action."""
-        self.plan()
 
     def goes(self, *things):
         """Expect these parameters of the next actions, none of which is executed in this cycle."""
@@ -213,52 +201,6 @@ def test_mailbot_life_follows_the_script(row):
     perform(Robot(max(map(max, corridors)), corridors), script)
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize("reason", sized(["o4", "1"], ["o4", "1", '"o2"', "77"]))
-def test_mailbot_failure_value_can_name_something_else(reason):
-    robot = Robot(6, ROW)
-    perform(robot, f"request 1 2 3; request 2 2 3; fails {reason}; goes o2; works 1")
-    while robot.plan() is not None and not robot.ends:
-        action = robot.answer_now()
-        robot.act(action, "2" if str(action.arguments[1]) == "1" else "1")
-    assert robot.ends
-    assert all("could not be picked up" in end for end, _ in robot.ends.values()), (
-        "three times, then the goal is aborted"
-    )
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("moves", "then"),
-    [
-        (0, ["deliver,7", "pickup,7", "move_base,office1", "deliver,7"]),
-        (1, ["move_base,office2", "move_base,office1", "deliver,7"]),
-    ],
-)
-def test_mailbot_package_on_its_way_back_is_requested_again(moves, then):
-    """While it is on the robot it stays there; a put-down that is under way cannot be changed."""
-    robot = Driver.of_shipped("mailbot.lp", "office.lp")
-    robot.goal("first", "goal(office2,office4,7)").until("pickup")
-    for _ in range(moves):
-        robot.succeed()
-    cycle = robot.core.cycle
-    robot.core.receive("eye", [f"_blocked(office3,office4,{cycle})"])
-    robot.succeed()
-    assert robot.states("first")[-1] == "aborted"
-    robot.goal("second", "goal(office2,office1,7)").finish()
-    assert robot.states("second")[-1] == "succeeded"
-    done = [text for text in robot.journal.actions if int(text[:-1].split(",")[-1]) > cycle]
-    assert [text[len("_action_lib(") :].rpartition(",")[0] for text in done] == then
-
-
-@pytest.mark.slow
-def test_mailbot_request_replaces_live_one_with_same_id():
-    robot = perform(Robot(6, ROW, 1), "request 1 6 1; works 1; request 1 2 1")
-    assert len(robot.plan()) == fewest_steps(robot.graph, 3, "o2", [("waits", "o2", "o1")])
-
-
 def answers(update, program, models=1):
     solver = PlanSolver(program, models=models)
     return solver.update(parse_update(update)).answers
@@ -268,7 +210,7 @@ def statuses(answer):
     return [atom for atom in answer if atom.name == "_status"]
 
 
-@pytest.mark.parametrize("offices", ["nowhere,office1", "office1,nowhere", "7,f(x)"])
+@pytest.mark.parametrize("offices", ["nowhere,office1", "7,f(x)"])
 def test_mailbot_rejects_unknown_offices(offices):
     update = f"#step 1. _request(goal({offices},1),2). #endstep."
     found = statuses(answers(update, shipped("mailbot.lp", "office.lp"))[0])
@@ -277,13 +219,6 @@ def test_mailbot_rejects_unknown_offices(offices):
     assert sorted(str(one) for one in found) == sorted(
         f'_status(1,rejected(("there is no place ",{one})),1)' for one in unknown
     )
-
-
-def test_mailbot_treats_string_and_constant_as_different():
-    update = '#step 1. _request(goal("office1",office2,1),2). #endstep.'
-    found = answers(update, shipped("mailbot.lp", "office.lp"))
-    texts = [text_of(one.arguments[1].arguments[0]) for one in statuses(found[0])]
-    assert texts == ['there is no place "office1": this is a string, write it without quotes']
 
 
 @pytest.mark.slow
@@ -296,11 +231,8 @@ def test_mailbot_rejects_an_office_without_a_way(tmp_path: Path):
     assert [str(one) for one in found] == ['_status(1,rejected(("no way leads to ",attic)),1)']
 
 
-@pytest.mark.sampled(2)
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "absent", [["search.lp", "heuristic.lp", "floor.lp"], ["search.lp"], ["heuristic.lp"], ["faults.lp"]]
-)
+@pytest.mark.parametrize("absent", [["search.lp", "heuristic.lp", "floor.lp"], ["faults.lp"]])
 def test_mailbot_plans_need_neither_bounds_nor_failure_rules(absent, tmp_path: Path):
     """Without these files the shortest plans are exactly the same: the other rules are complete."""
     shutil.copytree(ENCODINGS, tmp_path, dirs_exist_ok=True)
@@ -315,17 +247,6 @@ def test_mailbot_plans_need_neither_bounds_nor_failure_rules(absent, tmp_path: P
     assert len(set(fewer)) == len(fewer)
     assert set(fewer) == set(answers(update, shipped("mailbot.lp", "office.lp"), models=0))
     assert fewer
-
-
-def test_mailbot_reference_search_finds_shortest_plans():
-    graph = neighbours([(f"o{a}", f"o{b}") for a, b in ROW])
-    assert fewest_steps(graph, 3, "o1", [("waits", "o3", "o2")]) == 5
-    assert fewest_steps(graph, 1, "o1", [("waits", "o1", "o2"), ("waits", "o1", "o2")]) == 7
-    assert fewest_steps(graph, 2, "o1", [("waits", "o1", "o2"), ("waits", "o1", "o2")]) == 5
-    assert fewest_steps(graph, 3, "o1", [("rides", "o2"), None]) == 2
-    assert fewest_steps(graph, 3, "o1", [("rides", "o1")], astray=True) == 2
-    assert fewest_steps(graph, 3, "o1", [("rides", "o2")], shut={frozenset(("o1", "o2"))}) is None
-    assert fewest_steps(graph, 1, "o1", [("stuck",), ("waits", "o1", "o2")]) is None
 
 
 @pytest.mark.slow
@@ -345,16 +266,3 @@ def test_mailbot_memory_of_a_long_run_is_bounded():
     assert past.first > window
     times = [atom.arguments[-1].number for atom in past.facts if atom.name in ("waiting", "_aim", "_crossed")]
     assert min(times) >= past.first - window
-
-
-@pytest.mark.slow
-def test_mailbot_can_leave_a_place_unknown_to_navigation():
-    driver = Driver.of_shipped("mailbot.lp", "office.lp")
-    driver.core.add_goal("first", "goal(office1,office3,1)")
-    driver.goal("second", "goal(office1,office3,2)").succeed().fail("not_at_label")
-    assert driver.awaited == ["_action_lib(move_base,office1,3)"]
-    driver.fail("unknown_label").finish()
-    assert sorted(driver.states(key)[-1] for key in ("first", "second")) == ["aborted", "succeeded"]
-    ended = "first" if driver.states("first")[-1] == "aborted" else "second"
-    assert driver.message(ended).endswith("office1 is unreachable since the robot's navigation knows no place office1")
-    assert driver.goal("third", "goal(office1,office3,3)").finish().states("third")[-1] == "succeeded"

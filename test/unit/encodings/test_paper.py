@@ -3,7 +3,7 @@
 import pytest
 from core_driver import PLANS
 from core_scripts import play
-from delivery_scripts import Delivery, deliver
+from delivery_scripts import Delivery
 from shipped import ENCODINGS
 
 from rosoclingo.reasoning.events import PlanMade
@@ -95,16 +95,3 @@ def test_paper_example_serves_five_requests_with_capacity_three(mailbot):
     assert carried == 0
     assert most <= 3
     assert all(mailbot.states(str(number)) == ["active", "succeeded"] for number in range(1, 6))
-
-
-@pytest.mark.slow
-def test_paper_example_reports_its_statuses():
-    """A cancel during the delivery comes too late; unknown goals are rejected."""
-    deliver(
-        "mailbot",
-        """
-        goal a goal(office3,office2,1); until deliver; cancel a; finish; is a succeeded
-        add bad goal(office9,office2,1); goal b goal(office2,office1,2); finish; all bad rejected
-        says bad ...goal(office9,office2,1)...; all b active succeeded; goal odd dance(98)
-        says odd no rule of the program can see dance(98)...""",
-    )

@@ -52,16 +52,3 @@ def test_short_drives_no_shortest_plan_drives_less(distances, requests):
     every = plans(distances, requests, prefers=False, models=0)
     assert {number for _, number in every} == {length}
     assert driven(chosen, distances) == min(driven(places, distances) for places, _ in every)
-
-
-@pytest.mark.slow
-def test_short_drives_also_with_plans_on_time():
-    for short in ("ab", "ac"):
-        distances = dict.fromkeys([(a, b) for a, b in WAYS], 50)
-        distances[tuple(short)] = 10
-        ((chosen, _),) = plans(distances, [("a", "d"), ("d", "a")], prefers=True, plan_time=60.0)
-        assert chosen == [short[1], "d", short[1], "a"]
-
-
-def test_short_drives_without_distances_prefer_nothing():
-    assert plans({}, [("a", "e")], prefers=True)[0][1] == 5

@@ -43,6 +43,16 @@ def memory(folder, run="first"):
     return found
 
 
+def test_memory_without_a_readable_file_is_kept_by_the_process(tmp_path):
+    one = ActionMemory(tmp_path, "a b")
+    one.path.mkdir()
+    one.begin_run("first")
+    assert "cannot read" in one.trouble
+    for unsaved in (one, memory(None)):
+        unsaved.note_begun(PICKUP, "goal-1")
+        assert unsaved.recall(PICKUP) == Record("goal-1")
+
+
 def test_memory_of_other_interfaces_has_separate_files(tmp_path):
     memory(tmp_path).note_begun(PICKUP, "goal-1")
     other = ActionMemory(tmp_path, "/robot_pickup/interface pickup")  # the same letters, divided differently

@@ -114,8 +114,10 @@ def test_template_first_matching_rule_answers():
     rules = (
         Rule("here(${1})", status="succeeded"),
         Rule("not_here", status="aborted", when={"outcome": 3, "location": "/^office/"}, facts=("seen(${1},$$)",)),
+        Rule("stuck", status="aborted", text=re.compile("(?i)stuck")),
         Rule("blocked", status="aborted"),
     )
+    assert str(answer(rules, scope(ended=GoalEnd("aborted", "It is STUCK"))).value) == "stuck"
     assert str(answer(rules, scope(ended=GoalEnd("succeeded"))).value) == "here(office2)"
     first = answer(rules, scope(ended=GoalEnd("aborted", "", RESULT)))
     assert str(first.value) == "not_here"
@@ -203,6 +205,19 @@ def test_template_server_words_in_a_fact(words, template, fact, warning):
     given = said(words, template)
     assert given.facts == (() if fact is None else (fact,))
     assert [warning in one for one in given.warnings] == ([True] if warning else [])
+
+
+@pytest.mark.parametrize(
+    ("words", "template", "value"),
+    [
+        ("a,b", "heard(${text})", "office2"),
+        ("a b", "at_${text}", '"at_a b"'),
+        ('"', "no way: ${text}", '"no way: \\""'),
+        ("hall", "$text", "hall"),
+    ],
+)
+def test_template_server_words_in_a_return(words, template, value):
+    assert str(said(words, returns=template).value) == value
 
 
 @pytest.mark.parametrize(

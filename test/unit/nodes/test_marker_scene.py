@@ -3,13 +3,16 @@
 import math
 
 from rosoclingo.common.labels import LabelTable
+from rosoclingo.nodes.rviz.plain_shapes import with_plate
 from rosoclingo.nodes.rviz.scene import (
     LATER,
     NEXT,
     SHUT,
     drawn_shapes,
+    label_shapes,
     package_shapes,
     plan_shapes,
+    robot_shapes,
     things_in,
 )
 from rosoclingo.oclingo import parse_atom
@@ -31,6 +34,21 @@ def arrows(cycle, start):
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
 
 
+def test_markers_show_labels_robot_and_plates():
+    shapes = label_shapes(LABELS)
+    assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
+    assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
+    robot = robot_shapes("base_link", 0.2, "r1")
+    assert {shape.frame for shape in robot} == {"base_link"}
+    tags = [with_plate(one)[0] for one in (shapes[1], robot[0])]
+    assert [tag.kind for tag in tags] == ["cube", "cylinder"], "a tag that turns has a round plate"
+    assert tags[0].position[:2] == shapes[1].position[:2]
+    assert with_plate(shapes[0]) == [shapes[0]]
+    marks = drawn(*[(DrawingKind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
+    assert [shape.position[0] for shape in marks] == [0.0, 0.0, 4.0]
+    assert marks[0].position[1] < marks[1].position[1], "stacked"
+
+
 def test_markers_place_packages_apart_at_label_or_robot():
     places = [("1", "office2", False), ("2", "office2", False), ("3", "", True), ("4", "", True), ("5", "attic", False)]
     cubes = [shape for shape in package_shapes(places, LABELS, "base_link") if shape.kind == "cube"]
@@ -44,6 +62,7 @@ def test_markers_arrows_follow_remaining_plan_from_robot():
     assert arrows(1, (0.0, 0.0)) == [(0.0, 4.0, NEXT), (4.0, 8.0, LATER), (8.0, 4.0, LATER)]
     assert arrows(3, (8.0, 0.0)) == [(8.0, 4.0, LATER)]
     assert arrows(6, (4.0, 0.0)) == []
+    assert arrows(1, None) == [(4.0, 8.0, LATER), (8.0, 4.0, LATER)], "without a pose"
 
 
 def drawn(*drawings):

@@ -7,6 +7,7 @@ import yaml
 from published_runs import LABELS
 
 from rosoclingo.common.reading import Reader
+from rosoclingo.nodes.pages import order_desk
 from rosoclingo.nodes.pages.order_desk import MOST_ASKED, MOST_COMMANDS, MOST_OPEN, OrderDesk, Reason
 from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
@@ -134,6 +135,16 @@ def test_desk_place_is_kept_after_failed_sending(counter):
     counter.send = fail
     for _ in range(MOST_OPEN + 1):
         assert counter.order() == {"fault": "the core is not running: try again later"}
+
+
+def test_desk_forgets_old_orders_that_have_ended(counter, monkeypatch):
+    monkeypatch.setattr(order_desk, "MOST_KNOWN", 5)
+    for number in range(7):
+        counter.order()
+        if number:
+            counter.view.status(2.0, f"id {number + 1}", 3, "")
+    assert "fault" in counter.take(cancel="id 2", key=KEY)
+    assert ["canceled" in counter.take(cancel=one, key=KEY) for one in ("id 1", "id 7")] == [True, True]
 
 
 def test_desk_reports_an_offered_fact(counter):

@@ -5,7 +5,6 @@ import gc
 import json
 import threading
 
-import browser
 import pytest
 from published_runs import GOAL
 from served_page import PATIENCE, WEB, answered, next_message, play, serving, wait_until
@@ -303,18 +302,3 @@ def test_page_connects_again(page):
         page.wait_for("document.getElementById('connection').textContent === 'Live'")
         page.wait_for("document.querySelector('h1').textContent === 'Another run'")
         assert page.texts("#goals tbody th") == ["g(z)"]
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_page_keeps_selected_moment_for_each_viewer(page, served):
-    with browser.Browser(browser.found()) as other:
-        for one in (page, other):
-            one.open(served.address + "/")
-            one.wait_for("document.getElementById('connection').textContent === 'Live'")
-        other.run("live.player.seek(10.5)")
-        served.do(lambda view: view.goal(150.0, "b", "g(b)"))
-        page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
-        other.wait_for("live.model.goals.length === 2")
-        assert page.text("#clock").startswith("50.0 s")
-        assert other.text("#clock") == "10.5 s · cycle 2"

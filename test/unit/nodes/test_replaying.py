@@ -131,6 +131,11 @@ def test_replay_selects_program_core_and_run(replay, write, capsys):
     assert replay(path, "--core", "a/rosoclingo", *files, "--run", 2)[1].count("no unexplained difference") == 1
     assert replay(path, "--core", "a/rosoclingo", *files, "--to", 2)[0] == 2
     assert "has 2 runs of the core: choose one with --run N" in capsys.readouterr().err
+    assert replay(path, "--core", "a/rosoclingo", *files, "--run", 3)[0] == 2
+    assert "no run 3" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        replay(path, "-c", "capacity=0")
+    assert "--const needs --program" in capsys.readouterr().err
     code, text = replay(write(), *files, "-c", "capacity=0", "--to", 2)
     assert (code, "this is not the program of the run" in text) == (1, True)
 
@@ -178,6 +183,8 @@ def test_replay_accepts_a_truncated_bag(replay, write, capsys, size):
     assert "is not a bag, or is damaged" in capsys.readouterr().err
     assert replay(path.with_name("none.bag"))[0] == 2
     assert "none.bag cannot be read: No such file" in capsys.readouterr().err
+    assert replay(path.parent)[0] == 2
+    assert f"{NAME}: No such file" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -173,12 +173,14 @@ def test_report_finds_robots_by_their_frames(report, write, run, messages, tmp_p
     assert found == ([] if robot is None else [(robot, [8.0, 0.0, 0.0])])
 
 
-def test_report_shows_the_pace_of_simulated_time(report, write, run, tmp_path):
+def test_report_shows_the_pace_and_no_map_without_cells(report, write, run, tmp_path):
+    from nav_msgs.msg import OccupancyGrid
     from std_msgs.msg import Float64
 
     walls = [(2.0 + 2.0 * second, "/record/wall_time", Float64(100.0 + second)) for second in range(4)]
-    report(write([*run("/red/"), *walls]))
-    assert shown(tmp_path / "run.html")["about"]["pace"] == 2.0
+    report(write([*run(), *walls, (9.0, "/map", OccupancyGrid())]))
+    about = shown(tmp_path / "run.html")["about"]
+    assert (about["pace"], about["map"]) == (2.0, None)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from rosoclingo.runs.account import Account
 from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.log_lines import PATIENCE
 from rosoclingo.runs.recorded_run import RunProgram
-from rosoclingo.runs.sentences import Sentences
 
 
 @pytest.fixture
@@ -205,14 +204,6 @@ def test_account_reports_the_state_on_request(lines):
     silent.beliefs(0.0, 1, ["at(a,now)"])
     silent.finish()
     assert len(lines) == 3
-
-
-def test_account_describes_actions_in_words_of_program(account, lines):
-    account.sentences = Sentences({"go": "goes to {}"})
-    run(account)
-    account.dispatched(12.2, ["_action_lib(go,x,2)", "_action_lib(wave,y,2)", "_cancel(go,x,2)"])
-    account.finish()
-    assert [line.split(None, 5)[-1] for line in lines[-3:]] == ["goes to x", "wave y", "goes to x"]
 
 
 def test_account_summary_of_many_actions_names_latest(account):

@@ -22,12 +22,12 @@ def picture(found):
 def test_map_image_is_cropped_to_known_cells():
     cells = np.full((20, 30), -1, np.int8)
     cells[5:8, 10:14] = 0
-    cells[5, 10] = 100
+    cells[5, 10:14] = [100, 65, 50, 25]
     found = map_image(cells, 0.5, (1.0, 2.0, 0.0))
     assert (found["corner"], found["width"], found["height"]) == ([6.0, 4.5], 2.0, 1.5)
     pixels = picture(found)
     assert pixels.shape == (3, 4, 4)
-    assert pixels[2, 0, 3] == 255, "the first cell is at the lower left"
+    assert pixels[2, :, 3].tolist() == [255, 255, 72, 0], "the first row is the lowest, 50 is unknown"
     assert (pixels[:2, :, 3] == 0).all(), "the floor is seen through"
 
 

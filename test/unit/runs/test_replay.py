@@ -9,7 +9,7 @@ from shipped import shipped
 from stream_replay import recorded
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.planning.history import Plan
+from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import CycleVerdict, Replay, summary
 
@@ -85,6 +85,17 @@ def test_replay_refuses_an_invalid_plan(actions, why):
     report = first(run, program)
     assert (report.verdict, report.explained) == (CycleVerdict.WRONG, False)
     assert why in report.line()
+
+
+@pytest.mark.slow
+def test_replay_refuses_a_plan_that_is_incomplete():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office2,office3,1)")
+    run = recorded(driver.journal)
+    (published,) = run.cycles[0].plans[1:]
+    *begin, _ = sorted(published.actions, key=cycle_of)
+    run.cycles[0].plans = [published._replace(actions=frozenset(begin))]
+    report = first(run, driver.program)
+    assert (report.verdict, report.explained, "it is incomplete" in report.why) == (CycleVerdict.WRONG, False, True)
 
 
 def test_replay_refuses_actions_that_were_not_planned():

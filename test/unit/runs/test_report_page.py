@@ -130,25 +130,6 @@ def test_report_page_speaks_the_words_of_the_program(opened):
     assert "_action_lib(pickup,1,2)" in page.text("#plan"), "stays open"
 
 
-def test_report_page_reasons_are_in_words_with_terms_folded(opened):
-    view = delivery(worded())
-    other = "goal(office1,office2,2)"
-    view.goal(140.0, "b", other)
-    view.status(141.0, "b", 4, f"{other} cannot be met together with {GOAL}")
-    view.problem(141.0, 6, f"{other} is dropped")
-    view.finish()
-    page = opened(view)
-    assert page.texts("#goals tbody td")[3:] == [
-        "given up",
-        "1.0 s",
-        "cannot be met together with 'Bring package 1 from office2 to office1'",
-    ]
-    move(page, 41.0)
-    assert page.texts("#plan ul summary") == ["'Bring package 2 from office1 to office2' is dropped"]
-    assert "goal(" not in page.run("document.querySelector('main').innerText")
-    assert page.texts("#goals code")[1] == f"{other}\ncannot be met together with {GOAL}"
-
-
 def test_report_page_slider_shows_a_moment(opened):
     page = opened(delivery())
     move(page, 10.5)

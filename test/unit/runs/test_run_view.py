@@ -191,17 +191,11 @@ def test_view_keeps_drawings_when_they_change():
     for time, atoms in ((11.0, ["odd"]), (12.0, ["shut(a,b,now)"]), (13.0, ["odd", "shut(a,b,now)"]), (14.0, [])):
         view.beliefs(time, 1, atoms)
     assert drawn(view) == [(0.0, [WAY]), (2.0, [WAY, SHUT]), (4.0, [WAY])]
-
-
-def test_view_logs_malformed_declarations_once():
     view = RunView()
-    program = RunProgram("r", (ProgramFile("floor.lp", "_draws(path,roads).", False),), {}, "").text()
-    view.program(5.0, program)
-    view.program(6.0, program)
     view.goal(10.0, "a", "g(1)")
-    view.finish()
-    lines = [(one["kind"], one["text"].partition(":")[0]) for one in records(view.changes(), "log")]
-    assert lines == [("note", "_draws(path,roads) draws nothing"), ("request", "g(1)")]
+    view.beliefs(11.0, 1, ["shut(a,b,now)"])
+    view.program(0.0, floor())  # after the beliefs
+    assert drawn(view) == drawn(view.successor()) == [(1.0, [WAY, SHUT])]
 
 
 def test_view_of_restarted_core_begins_with_cycle_1():
@@ -378,3 +372,14 @@ def test_view_logs_when_an_operator_pauses_and_stops():
     texts = [one["text"] for _, one in view.changes()["log"] if one["kind"] == "mode"]
     assert texts == ["paused: no action begins", "continued", "stopped: the next goal continues"]
     assert (view.mode_word, view.successor().mode_word) == ("stopped", "stopped")
+
+
+def test_view_logs_malformed_declarations_once():
+    view = RunView()
+    program = RunProgram("r", (ProgramFile("floor.lp", "_draws(path,roads).", False),), {}, "").text()
+    view.program(5.0, program)
+    view.program(6.0, program)
+    view.goal(10.0, "a", "g(1)")
+    view.finish()
+    lines = [(one["kind"], one["text"].partition(":")[0]) for one in records(view.changes(), "log")]
+    assert lines == [("note", "_draws(path,roads) draws nothing"), ("request", "g(1)")]

@@ -91,6 +91,7 @@ def test_driving_ends_at_closed_door_unless_it_opens(opens):
 GAP = [(2.9, 0.0, 3.1, 1.5), (2.9, 2.0, 3.1, 4.0), (1.5, 1.1, 2.2, 1.4)]  # with an oblique entrance
 # The inscribed circle of the robot fits through the near gap.
 TWO_GAPS = [(2.9, 0.0, 3.1, 1.0), (2.9, 1.3, 3.1, 4.0), (2.9, 4.7, 3.1, 6.0)]
+BEHIND = [(2.5, 0.0, 2.7, 1.75), (2.5, 2.25, 2.7, 4.0)]
 DEAD_END = [(2.0, 0.0, 5.0, 2.2), (2.0, 2.7, 5.0, 5.0)]
 TIGHT = {
     "straight into a gap": ((6.0, 4.0, 0.05, GAP), Pose2D(1.0, 3.0, 2.0), {"footprint": LONG},
@@ -103,10 +104,11 @@ TIGHT = {
         Pose2D(1.0, 3.0, 2.0), {"radius": 0.18}, [Pose2D(5.0, 1.0, 0.3)]),
     "away from a wall alongside, where it cannot turn": ((6.0, 6.0), Pose2D(3.0, 0.31, np.pi), {"footprint": LONG},
         [Pose2D(1.0, 4.0, 0.0)]),
+    "to a goal behind a gap whose corners prevent the turn": ((6.0, 4.0, 0.05, BEHIND), Pose2D(1.0, 2.0, 0.0),
+        {"footprint": LONG}, [Pose2D(3.0, 2.0, 0.5 * np.pi)]),
 }  # fmt: skip
 
 
-@pytest.mark.sampled(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TIGHT)
 def test_driving_passes_tight_places(name):

@@ -97,3 +97,18 @@ def test_touching_paths_avoid_barred_cells_until_released():
     assert costmap.unbar()
     assert not costmap.unbar()
     assert GridPlanner().plan(costmap, *ends).length < 4.5
+
+
+def test_touching_marks_below_the_robot_are_forgotten():
+    costmap = Costmap(room())
+    for x in (3.0, 3.3):
+        angles = np.linspace(-0.01, 0.01, 5)
+        for _ in range(3):
+            costmap.observe(Pose2D(x - 1.0, 3.0), angles, np.full(5, 1.0), 6.0)
+    assert np.argwhere(costmap.marks[:, :64]).any()
+    costmap.forget_under(3.0, 3.0)
+    assert np.argwhere(costmap.marks)[:, 1].min() == 65
+    assert costmap.has_marks
+    costmap.forget_under(3.3, 3.0)
+    assert not costmap.has_marks
+    assert not costmap.occupied[60, 60:70].any()

@@ -56,6 +56,9 @@ def test_packages_of_several_robots_are_apart():
     heir, reader = PackageOffice(OFFICES), Reader({"r1": ["1", "2", "3"], "r2": ["4"]})
     heir.read(Reader({}), reader)
     assert heir.places == world.places
+    world.put("1", "office4")
+    world.remove("2")
+    assert [place.package for place in world.places if not place.carried] == ["1"]
 
 
 def test_packages_unknown_before_can_appear():
