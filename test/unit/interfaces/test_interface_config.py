@@ -35,16 +35,6 @@ def test_interface_config_of_package_is_read():
     }
 
 
-def test_interface_config_has_defaults():
-    spec = read_specs({"arm(left)": TYPE})["arm(left)"]
-    assert spec.name == spec.server == "arm(left)"
-    assert spec.goal == {}
-    assert spec.rules == ()
-    assert spec.limits == ActionLimits()
-    assert not spec.repeatable
-    assert spec.done is None
-
-
 def test_interface_config_with_all_keys_is_read():
     entry = {
         "server": "/robot/arm",

@@ -87,19 +87,6 @@ def test_memory_database_damaged_while_open_is_rewritten(tmp_path):
     assert memory(tmp_path).recall("_action_lib(pickup,2,3)") == Record("goal-2")
 
 
-def test_memory_reports_unwritable_disk_and_continues(tmp_path):
-    folder = tmp_path / "folder"
-    one = memory(folder)
-    folder.write_text("in the way")
-    one.note_begun(PICKUP, "goal-1")
-    assert "cannot write" in one.trouble
-    assert one.recall(PICKUP) == Record("goal-1")
-    folder.unlink()
-    one.note_answered("_action_lib(pickup,2,3)", ANSWER)
-    assert not one.trouble
-    assert memory(folder).recall(PICKUP) == Record("goal-1")  # with the entries that could not be written before
-
-
 def test_memory_is_written_once_full_disk_has_room(tmp_path):
     one = memory(tmp_path)
     one.note_begun(PICKUP, "goal-1")

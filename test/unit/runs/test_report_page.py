@@ -315,30 +315,6 @@ def test_report_page_shows_each_robot_with_colour_plan_and_place(opened, robots)
     assert page.run(f"getComputedStyle({faint}).opacity < 0.5")
 
 
-def test_report_page_plans_are_as_long_as_such_actions_took(opened):
-    view = RunView()
-    view.goal(0.0, "a", "g(1)")
-    plan = [f"_action_lib({one},{step})" for step, one in enumerate(("go,a", "wait,b", "go,c", "wait,d", "wait,e"), 1)]
-    for number, (begun, ended) in enumerate(((0.0, 20.0), (20.0, 24.0)), 1):
-        view.plan(begun, number, 5, plan, (0.0, 0.0))
-        view.dispatched(begun, [plan[number - 1]])
-        name, value = plan[number - 1].split("(")[1].split(",")[:2]
-        view.returned(ended, name, [f"_return({name},{value},{number})"])
-    view.plan(24.0, 3, 5, plan, (0.0, 0.0))
-    view.dispatched(24.0, [plan[2]])
-    view.finish()
-    page = opened(view)
-    move(page, 24.0)
-    titles = page.texts(".timeline .bar.ahead > title")
-    assert titles == ["planned: wait d in cycle 4, about 4.0 s", "planned: wait e in cycle 5, about 4.0 s"]
-    boxes = "[...document.querySelectorAll(`.timeline .bar.${name} rect`)].map((one) => one.getBoundingClientRect())"
-    width = f"(name) => {boxes}"
-    first, second = page.run(f"({width})('ahead').map(({{x, width}}) => [x, width])")
-    assert second[0] == pytest.approx(first[0] + first[1], abs=2.0)
-    assert page.run(f"({width})('done').map((one) => one.width)")[-1] == pytest.approx(first[1], rel=0.15)
-    assert "hatched" in page.run("getComputedStyle(document.querySelector('.bar.ahead rect')).fill")
-
-
 def test_report_page_shows_the_time_of_searches(opened):
     view = delivery()
     view.goal(140.0, "b", "g(b)")

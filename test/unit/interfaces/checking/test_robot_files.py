@@ -144,17 +144,6 @@ def test_robot_files_separate_places_of_different_actions(relation, tmp_path, ca
     assert "no label hall" in found[0]["message"]
 
 
-def test_robot_files_count_each_file_once(tmp_path, capsys):
-    files = texts("garden")
-    check_files(tmp_path, files, capsys)
-    named = [str(tmp_path / one) for one in ("garden.lp", "labels.yaml", "interfaces.yaml")]
-    options = [named[0], "--labels", named[1], "--interfaces", named[2]]
-    assert check_command.main(options, RobotFiles()) == 0
-    assert capsys.readouterr().out == "no findings in 3 files\n"
-    check_command.main([*options, "--json"], RobotFiles())
-    assert json.loads(capsys.readouterr().out)["files"] == named
-
-
 def test_robot_files_findings_can_be_silenced_in_yaml(tmp_path, capsys):
     files = texts("garden")
     files["labels.yaml"] += (

@@ -9,19 +9,16 @@ from rosoclingo.common import parameters
 from rosoclingo.common.parameters import ParameterError, Parameters, unread
 from rosoclingo.robot.navigation import (
     ClearCostmap,
-    CostmapLimits,
     FollowerLimits,
     GlobalPlanner,
-    GridPlanner,
     GridPlannerLimits,
     LocalPlanner,
     NavigatorLimits,
     RecoveryBehavior,
-    RolloutFollower,
     RotateRecovery,
 )
 from rosoclingo.robot.nodes.move_base import plugins
-from rosoclingo.robot.nodes.move_base.navigation_settings import Frames, read_settings
+from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
 
 rospy = pytest.importorskip("rospy")
 ROOT = Path(__file__).resolve().parents[4]
@@ -79,24 +76,6 @@ def made(find, *arguments):
     make = find(found, *arguments)
     found.check()
     return make()
-
-
-def test_move_base_parameters_have_defaults(given):
-    given()
-    settings = settings_of()
-    assert settings.frames == Frames("map", "base_link", 0.5, "base_scan", 1.0)
-    assert settings.costmap == CostmapLimits()
-    assert settings.navigator == NavigatorLimits()
-    assert settings.controller_period == pytest.approx(0.05)
-    assert (settings.footprint, settings.map_topic, settings.obstacles) == ((), "map", True)
-    assert settings.publish_periods == (float("inf"), 0.5)
-    assert settings.update_periods == (0.2, 0.2)
-    assert settings.send_full == (False, False)
-    assert (settings.local_size, settings.local_frame, settings.rest_when_idle) == ((6.0, 6.0), "", False)
-    assert type(made(plugins.global_planner)) is GridPlanner
-    assert type(made(plugins.local_planner, 0.2, ())) is RolloutFollower
-    names = [behavior.name for behavior in made(plugins.recoveries)]
-    assert names == ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
 
 
 SETTINGS = [
@@ -227,15 +206,6 @@ def test_move_base_parameters_name_planners_by_class_path(given):
     assert (type(recovery), recovery.name, recovery.parameters) == (OwnRecovery, "shout", {"how": "loud"})
     assert plugins.global_planner_namespace() == "OwnGlobalPlanner"
     assert plugins.local_planner_namespace() == "OwnLocalPlanner"
-
-
-def test_move_base_parameters_reach_planners_of_this_package(given):
-    given(
-        GridPlanner={"comfort_weight": 1, "default_tolerance": 0.5, "allow_unknown": True},
-        RolloutFollower={"max_vel_x": 0.3, "vx_samples": 5},
-    )
-    assert made(plugins.global_planner).limits == GridPlannerLimits(comfort_weight=1.0, default_tolerance=0.5)
-    assert made(plugins.local_planner, 0.2, ()).limits == FollowerLimits(max_vel_x=0.3, vx_samples=5)
 
 
 def test_move_base_parameters_navigation_stack_names_are_mapped(given):

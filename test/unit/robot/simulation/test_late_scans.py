@@ -26,13 +26,3 @@ def test_late_scan_is_taken_from_an_earlier_position(delay, back, part):
     plain.place("robot_0", poses[-1 - back].interpolate(poses[-2 - back], part))
     # each scan of a world has different noise
     assert np.abs(world.scan("robot_0") - plain.scan("robot_0")).max() < 0.08
-
-
-def test_late_scan_of_moved_robot_shows_new_surroundings():
-    world = late_world(0.5)
-    for _ in range(9):
-        world.command("robot_0", 0.4, 0.0)
-        world.step()
-    world.place("robot_0", Pose2D(5.0, 5.0, 1.0))
-    plain = late_world(0.0, Pose2D(5.0, 5.0, 1.0))
-    assert np.abs(world.scan("robot_0") - plain.scan("robot_0")).max() < 0.08
