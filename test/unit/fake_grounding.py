@@ -2,8 +2,10 @@
 
 from types import SimpleNamespace
 
-from rosoclingo.oclingo import parse_atom
+from rosoclingo.oclingo import parse_atom, parse_update
 from rosoclingo.oclingo.errors import StoppedError
+from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.history import cycle_of
 from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.planning.snapshot import Snapshot
@@ -20,7 +22,7 @@ class FakeGrounding:
     The steps up to ``horizon`` are ground. A question about several horizons finds the plan of the last one. Horizon
     ``h`` is refuted after ``hard[h]`` conflicts; from horizon ``dead`` on the program is hopeless. After ``halts``
     questions there is a stop, which interrupts the last one if it is ``cut``. The program ``claims`` to need so many
-    steps; it has ``several`` robots.
+    steps; it has ``several`` robots. With ``running``, the action of the cycle before goes on.
 
     Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
@@ -34,7 +36,7 @@ class FakeGrounding:
         self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
         self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
-        several = options.get("several", False)
+        several, self.running = options.get("several", False), options.get("running", False)
         self.program = SimpleNamespace(
             forgets=(), advises=advises, optimizes=optimizes, declares_external=lambda name, arity: several
         )
@@ -42,7 +44,9 @@ class FakeGrounding:
 
     def run(self, make, block):
         """Return what the strategy made by ``make(runner)`` finds, None after a stop; and the notes."""
-        snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon)
+        running = parse_update(f"#step {self.step}. _running(go,x,{self.step - 1}). #endstep.").items
+        items = tuple(TimedStatement(one, FOREVER, self.step) for one in running if self.running)
+        snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon, items=items)
         runner = StrategyRunner(self.program, snapshot, self.build, block, self.most)
         try:
             found = runner.run(make(runner), lambda: self.halts is not None and self.questions >= self.halts)

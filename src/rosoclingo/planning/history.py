@@ -64,12 +64,16 @@ class Plan(NamedTuple):
 
         ``running`` are ``_running`` atoms of the cycle before. For the robots see :func:`robots_of`.
         """
-        at = [clingo.Number(cycle)]
-        going = {clingo.Function(ACTION.name, [*one.arguments[:2], *at]) for one in running}
+        going = _going_on(running, cycle)
         late = {robot for one in going for robot in robots_of(one.arguments[0])}
         left = self.rest(cycle).actions
         moved = (one if late.isdisjoint(robots_of(one.arguments[0])) else delay(one, 1) for one in left)
-        return Plan(frozenset(going).union(moved), self.horizon + 1)
+        return Plan(going.union(moved), self.horizon + 1)
+
+    def waiting_for(self, running: Iterable[clingo.Symbol], cycle: int) -> "Plan":
+        """Return the plan from ``cycle`` on, in which ``running`` actions go on and delay all others."""
+        rest = self.rest(cycle).delayed()
+        return rest._replace(actions=rest.actions.union(_going_on(running, cycle)))
 
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
@@ -79,6 +83,11 @@ class Plan(NamedTuple):
     def last_cycle(self) -> int:
         """The cycle of the last action; a very small number if the plan is empty."""
         return max(map(cycle_of, self.actions), default=-(2**31))
+
+
+def _going_on(running: Iterable[clingo.Symbol], cycle: int) -> FrozenSet[clingo.Symbol]:
+    """Return the actions of ``cycle`` that go on: ``running`` are the ``_running`` atoms of the cycle before."""
+    return frozenset(clingo.Function(ACTION.name, [*one.arguments[:2], clingo.Number(cycle)]) for one in running)
 
 
 def robots_of(name: clingo.Symbol) -> Sequence[clingo.Symbol]:

@@ -3,6 +3,7 @@
 The oldest goals are admitted first. They are admitted in batches, because the program is reground for each batch. The
 size of a batch is chosen such that the expected planning time is ``SHARE`` of the time limit of a search. Planning time
 grows with the square of the number of goals. The share is large because plans for several goals share their routes.
+If actions can go on while others end, goals are admitted one by one: they are added to the plan in force.
 
 Fairness: plans could defer a goal forever while new goals arrive. Once ``overtaking_limit`` newer goals have ended
 before a goal, no newer goal is admitted until it has ended. In a plan for many goals any of them can be the last.
@@ -40,7 +41,8 @@ MOST_JOINING = 1.5
 class Admission(PersistentPart):
     """Decides which of the ``live`` goals, oldest first, are queued. All others are with the program or being fed.
 
-    The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit.
+    The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit. Without
+    ``batches``, each goal is admitted as soon as there is room for it.
 
     Attributes:
         stuck: the number of searches in a row without a plan in time and without a goal to defer.
@@ -52,8 +54,14 @@ class Admission(PersistentPart):
     FIELDS = fields(stuck=int, _room=Optional[int], _growth=float)
 
     def __init__(
-        self, live: Callable[[], List[Goal]], at_once: int = 0, overtaking_limit: int = 0, seconds: float = 0.0
+        self,
+        live: Callable[[], List[Goal]],
+        at_once: int = 0,
+        overtaking_limit: int = 0,
+        seconds: float = 0.0,
+        batches: bool = True,
     ) -> None:
+        self._batches = batches
         self._live, self._limit, self._most, self._wanted = live, overtaking_limit, at_once, SHARE * seconds
         self._room = self._first = FIRST if seconds else None
         self._growth = FASTER
@@ -102,7 +110,7 @@ class Admission(PersistentPart):
         if not fit and not served:
             fit = [min(ready, key=lambda goal: goal.tries)]
         room = len(fit) if self._room is None else self._room - served
-        if self._room is not None and room < min(len(fit), math.ceil(self._room / 2)):
+        if self._room is not None and self._batches and room < min(len(fit), math.ceil(self._room / 2)):
             return []  # wait for a full batch
         if self._most:
             room = min(room, self._most - served)

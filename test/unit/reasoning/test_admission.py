@@ -2,7 +2,7 @@
 
 import pytest
 from core_scripts import perform, scripts
-from goal_clients import Clients, crowd
+from goal_clients import HEARING, Clients, crowd
 
 #: The initial number of goals, their limits, and the events.
 TIMED = {"search_timeout": 10.0}
@@ -11,6 +11,8 @@ ROOM = {
     "without a limit in time for all": (30, {}, "has 1-30"),
     "goals join once half of it is free": (30, TIMED, """
         plan 6; end 1-3; has 4-8; end 4; has 5-12; plan 6; cancel 13-30; end 5-8; has 9-12; add 40; has 9-12 40"""),
+    "each goal joins at once if actions go on": (30, {**TIMED, "text": HEARING + "#external _running/3."}, """
+        plan 6; end 1-3; has 4-11; end 4; has 5-12"""),
     "goals join sooner if there is room for all": (11, TIMED, "plan 6; end 1 2; has 3-8; end 3; has 4-11"),
     "all join once there is a fast plan": (15, TIMED, "plan 0.1; has 1-15"),
     "more only after a plan with a full room": (7, TIMED, "plan 0.01; add 8-29; has 1-8"),

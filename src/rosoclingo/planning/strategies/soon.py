@@ -26,10 +26,11 @@ plan: then only more steps help, since with enough steps there are hardly any co
 mislead, the shortest horizons that are not refuted are also tried without it, with limits that double.
 """
 
-EFFORT = 20_000
-"""Initial limit of conflicts times steps for a question about any plan, unless :data:`CONFLICTS` allows more.
+EFFORT = 800_000
+"""Initial limit of conflicts times possible actions for a question about any plan, at least :data:`CONFLICTS`.
 
-Conflicts with few steps are cheap, and additional steps make all later questions more expensive.
+A conflict takes the longer the more actions there are. With few actions, further steps are worth more conflicts,
+because they make all later questions more expensive.
 """
 
 CONFLICTS_PER_STEP = 100
@@ -82,7 +83,7 @@ class FirstPlanSearch:
         self._least = runner.min_horizon  # all lower horizons are refuted
         self._share = 1.0
         self._claimed: Optional[int] = None  # the least horizon according to the program
-        self._rests: List[Plan] = []  # what remains of the last plan, unchanged and delayed; to be extended to a plan
+        self._rests: List[Plan] = []  # the rest of the last plan, unchanged and delayed; to be extended to a plan
         self._end = runner.horizon  # the last horizon to search
         self._earlier_ends: List[int] = []
 
@@ -121,7 +122,9 @@ class FirstPlanSearch:
             if reply.satisfiable:
                 return reply
             self._end = end  # other plans need no more steps
-        self._rests = [] if running else [plan for plan in plans if plan.actions]
+        if running:
+            plans.append(self._plan.waiting_for(running, step))
+        self._rests = [plan for plan in plans if plan.actions]
         return None
 
     def _ask_later(self, plan: Plan) -> _Asks[Reply]:
@@ -175,12 +178,23 @@ class FirstPlanSearch:
                 self._end = self._next_end(refuted)
 
     def _ask_for_any(self, factor: int) -> _Asks[Reply]:
-        """Ask for a plan up to the current end, preferably one with the remaining actions of the last plan."""
+        """Ask for a plan up to the current end, preferably one with the remaining actions of the last plan.
+
+        If actions go on, a plan that follows the advice is preferred: several robots can share new tasks.
+        """
+        reply, advised = UNKNOWN, bool(self._runner.snapshot.running) and self._program.advises
+        if advised:
+            reply = yield from self._ask_freely(factor)
+        for plan in () if reply.satisfiable else self._rests:
+            given = [(action, True) for action in plan.actions]
+            extended = yield from self._ask(self._least, self._end, CONFLICTS, given)
+            if extended.satisfiable or extended.hopeless:
+                return extended
+        return reply if advised else (yield from self._ask_freely(factor))
+
+    def _ask_freely(self, factor: int) -> _Asks[Reply]:
+        """Ask for a plan up to the current end with any actions."""
         last, grows, advises = self._end, self._runner.may_grow(self._end), self._program.advises
-        for plan in self._rests:
-            reply = yield from self._ask(self._least, last, CONFLICTS, [(action, True) for action in plan.actions])
-            if reply.satisfiable or reply.hopeless:
-                return reply
         if not self._idles or not (grows or advises):
             return (yield from self._ask(self._least, last, None))
         conflicts = self._few_conflicts(last) * (1 if grows else factor)
@@ -200,8 +214,10 @@ class FirstPlanSearch:
 
     def _few_conflicts(self, last: int) -> int:
         """Return the initial limit of conflicts for the steps up to ``last``."""
-        steps = max(1, last - self._runner.step + 1)
-        return max(CONFLICTS, EFFORT // steps if self._program.advises else CONFLICTS_PER_STEP * steps)
+        if not self._program.advises:
+            return max(CONFLICTS, CONFLICTS_PER_STEP * (last - self._runner.step + 1))
+        self._runner.ground(last)
+        return max(CONFLICTS, EFFORT // max(1, len(self._runner.actions(self._runner.step, last))))
 
     def _next_end(self, refuted: bool) -> int:
         """Return the next end: half of the lookahead later.

@@ -86,6 +86,16 @@ def test_soon_leaves_a_tenth_for_shortening_valid_plans(last, predicted, share):
     assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, predicted=predicted)[0].share == share
 
 
+@pytest.mark.parametrize("advises", [False, True])
+@pytest.mark.usefixtures("plain")
+def test_soon_extends_the_last_plan_while_an_action_goes_on(advises):
+    """New tasks are added to the delayed plan; with advice, any plan is tried first."""
+    world = {"step": 2, "horizon": 12, "most": 12, "running": True, "advises": advises, "hard": {12: 10_000}}
+    _, horizon, asked = run({12: [2, 3, 4, 12]}, world, plan(9, 2, 3))
+    assert horizon == 12
+    assert asked.endswith("2..12+2+3+4/100" if not advises else "2..12/100")
+
+
 # ---- In the solver ---------------------------------------------------------------------------------------------------
 
 
