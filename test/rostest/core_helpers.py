@@ -10,7 +10,7 @@ import rospy
 from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from interface_helpers import PATIENCE, wait_for_server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, executable, wait_for_server, wait_to_hear, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
@@ -169,7 +169,7 @@ class CommandProcess:
     """One of the package's commands, and its standard output; it ends with the test."""
 
     def __init__(self, *words):
-        command = ["rosrun", "rosoclingo", *words]
+        command = [executable(words[0]), *words[1:]]
         self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=_unbuffered())
         self._timer = threading.Timer(PATIENCE, self._process.kill)
         self._timer.start()

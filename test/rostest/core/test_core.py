@@ -218,7 +218,7 @@ class Core(unittest.TestCase):
         self.assertEqual((rest[begin - 1], rest[begin + 1]), ("", f"actions: walks {number}"))
 
     def test_watch_with_a_closed_output_ends_quietly(self):
-        command = ["rosrun", "rosoclingo", "watch"]
+        command = [executable("watch")]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watch:
             self.addCleanup(watch.kill)
             watch.stdout.readline()  # the plan

@@ -17,6 +17,10 @@ import rospy
 import rostest
 import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from interface_helpers import executable
+
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
 PATIENCE = 300.0  # seconds of wall time for one command
 STAYING = ("roslaunch", "python3")  # these commands run in separate terminals, until the end
@@ -57,6 +61,8 @@ class Tutorial(unittest.TestCase):
         for part in parts:
             command, *shown = part.split("\n")[:-1]
             words = shlex.split(command)
+            if words[:2] == ["rosrun", "rosoclingo"]:
+                words = [executable(words[2]), *words[3:]]
             if words[0] == "export":
                 name, value = words[1].split("=")
                 self.environment[name] = value.replace("$PWD", self.folder).replace(f"${name}", os.environ[name])
