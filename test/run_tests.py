@@ -52,7 +52,6 @@ WAITING = (
     "office",
     "office_killed",
     "operated_pages",
-    "operator",
     "recorder",
     "request_lost",
     "scenario_player",

@@ -3,7 +3,6 @@
 
 import os
 import re
-import shutil
 import signal
 import sys
 import unittest
@@ -170,7 +169,4 @@ class CoreKilled(unittest.TestCase):
 if __name__ == "__main__":
     CoreKilled.folder = rospy.myargv()[1]
     init_node("core_killed_test")
-    try:
-        rostest.rosrun("rosoclingo", "core_killed", CoreKilled, sys.argv)
-    finally:
-        shutil.rmtree(CoreKilled.folder, ignore_errors=True)
+    rostest.rosrun("rosoclingo", "core_killed", CoreKilled, sys.argv)
