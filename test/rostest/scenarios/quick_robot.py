@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A robot in the office without a simulated drive: simulated time, the doors, and a move_base that takes some seconds.
+"""A robot without a simulated drive: simulated time, the doors, and a move_base that takes some seconds.
 
 It stands in for simulator, localization and move_base, which compute most of the time that a played scenario takes.
 """
@@ -24,7 +24,6 @@ TICK = 0.04  # seconds of wall time
 DRIVE = 6.0  # simulated seconds of each drive
 HALF = 7.925  # metres: x of the doors between the two halves of the office
 BETWEEN = {"corridor", "meeting_west"}  # with these doors closed there is no way from one half to the other
-START = (1.9, 0.0)
 
 
 class QuickRobot:
@@ -35,7 +34,7 @@ class QuickRobot:
         self._lock = threading.RLock()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._broadcaster = tf2_ros.StaticTransformBroadcaster()
-        self._stand(*START)
+        self._stand(*rospy.get_param("~start"))
         self._server = ActionServer("move_base", MoveBaseAction, self._begin, self._cancel, auto_start=False)
         self._server.start()
         self._services = [
