@@ -59,7 +59,6 @@ WAITING = (
     "shipped_interfaces",
     "silence",
     "simulated_time_interfaces",
-    "simulator",
     "time_jump",
     "tutorial",
     "web_page",

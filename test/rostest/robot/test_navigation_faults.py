@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Navigation in difficulty: doors, obstacles, a lost laser, a moved robot; and move_base's services."""
+"""Navigation to all labels, and in difficulty: doors, obstacles, a lost laser, a moved robot; move_base's services."""
 
 import copy
 import functools
@@ -29,7 +29,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from documented_names import documented, offered
 from interface_helpers import PATIENCE, init_node, wait_to_hear, wait_until
-from navigation_helpers import ABORTED, SUCCEEDED, Driver, pose_goal
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
 
@@ -77,6 +77,53 @@ class NavigationFaults(unittest.TestCase):
 
     def tearDown(self):
         self.assertEqual(self.driver.collisions, [])
+
+    def test_reaches_every_label(self):
+        labels = rospy.get_param("/labels")
+        for name in ("office4", "office2", "office3", "office1"):
+            label = labels[name]
+            before = self.driver.feedback
+            status, text = self.driver.drive(label["x"], label["y"], label["yaw"])
+            self.assertEqual((status, text), (SUCCEEDED, "Goal reached."), name)
+            self.assertLess(self.driver.distance(label["x"], label["y"]), 0.2)
+            self.assertGreater(self.driver.feedback - before, 10)
+
+    def test_cancelled_goal_stops_the_robot(self):
+        self.driver.send(pose_goal(13.9, 0.0))
+        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
+        self.driver.client.cancel_goal()
+        self.assertEqual(self.driver.end(), (PREEMPTED, "The goal was cancelled."))
+        self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
+
+    def test_new_goal_preempts_the_old_one(self):
+        first = Driver()
+        first.send(pose_goal(13.9, 0.0))
+        first.wait(lambda: first.speed[0] > 0.3)
+        self.driver.send(pose_goal(5.9, 0.0))
+        status, text = first.end()
+        self.assertEqual(status, PREEMPTED)
+        self.assertIn("another goal was rec", text)  # received; the C++ server says recieved
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
+
+    def test_goal_in_the_robots_own_frame_is_reached(self):
+        x, y, _ = self.driver.pose
+        self.assertEqual(self.driver.drive(0.5, 0.0, frame="base_link")[0], SUCCEEDED)
+        self.assertLess(abs(self.driver.distance(x, y) - 0.5), 0.25)
+
+    def test_unusable_goals_are_aborted_with_reason(self):
+        no_rotation = pose_goal(5.9, 0.0)
+        no_rotation.target_pose.pose.orientation.w = 0.0
+        for goal, words in (
+            (pose_goal(7.93, 3.0), "the goal is in an obstacle of the map"),
+            (pose_goal(100.0, 0.0), "off the map"),
+            (pose_goal(1.0, 0.0, frame="moon"), "moon"),
+            (no_rotation, "invalid quaternion"),
+        ):
+            self.driver.send(goal)
+            status, text = self.driver.end()
+            self.assertEqual(status, ABORTED)
+            self.assertIn(words, text)
 
     def test_robot_takes_detour_when_door_closes_on_its_way(self):
         self.driver.send(pose_goal(9.9, 0.0))
