@@ -7,6 +7,7 @@ from typing import Dict, Iterator, Mapping, NamedTuple, Set, Tuple
 import rosgraph
 import rospy
 import rosservice
+from interface_helpers import wait_until
 
 MAKER = runpy.run_path(str(Path(__file__).resolve().parents[2] / "doc" / "make_reference.py"))
 PLACES = {script: node.places for node in MAKER["NODES"] for script in node.scripts}
@@ -53,3 +54,12 @@ def offered(node: str) -> Names:
         subscribed - {"/clock"},
         {name: rosservice.get_service_type(name) for name in own},
     )
+
+
+def check_names(script: str, node: str, given: Mapping[str, Tuple[str, str]]) -> None:
+    """Wait until a node that has just started has the documented names."""
+    wanted, found = documented(script, node, given), []
+    try:
+        wait_until(lambda: found.append(offered(node)) or found[-1] == wanted, f"{node} to have the documented names")
+    except AssertionError as error:
+        raise AssertionError(f"{error}: {found[-1]} instead of {wanted}") from error

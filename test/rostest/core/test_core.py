@@ -21,6 +21,7 @@ from rosoclingo.reasoning.goals import Outcome
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, CommandProcess, ManualInterfaces, SentGoal, Updates
+from documented_names import check_names
 from interface_helpers import PATIENCE, executable, init_node, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
@@ -53,6 +54,9 @@ class Core(unittest.TestCase):
     def test_outcome_codes_are_those_of_the_action(self):
         for outcome in Outcome:
             self.assertEqual(getattr(ROSoClingoResult, outcome.name), int(outcome))
+
+    def test_names_match_the_reference_page(self):
+        check_names("core", "/rosoclingo", {})
 
     def test_goal_with_feedback_and_result(self):
         goal = self.client.send(self.errand())

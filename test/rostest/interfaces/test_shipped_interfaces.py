@@ -11,6 +11,7 @@ from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupRes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from documented_names import check_names
 from interface_helpers import CoreSide, Server, init_node
 
 
@@ -29,6 +30,9 @@ class ShippedInterfaces(unittest.TestCase):
 
     def move(self, cycle, label="office2"):
         self.core.send("move_base", f"_action_lib(move_base,{label},{cycle})")
+
+    def test_names_match_the_reference_page(self):
+        check_names("interface", "/move_base_interface", {"SERVER": ("move_base", "move_base_msgs/MoveBaseAction")})
 
     def test_success_returns_the_label(self):
         self.move(1)

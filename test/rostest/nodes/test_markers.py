@@ -17,6 +17,7 @@ from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from documented_names import check_names
 from interface_helpers import init_node, wait_until
 
 
@@ -40,6 +41,9 @@ class Markers(unittest.TestCase):
         cls.texts = {
             ns: [marker.text for marker in message.markers if marker.ns == ns and marker.text] for ns, _ in ids
         }
+
+    def test_names_match_the_reference_page(self):
+        check_names("markers", "/markers", {})
 
     def test_goals_and_drawings_of_the_program_are_shown(self):
         self.goals.publish(

@@ -28,6 +28,7 @@ from rosoclingo.robot.nodes.office import OfficeNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from documented_names import check_names
 from interface_helpers import Process, executable, init_node, wait_for_server, wait_until
 
 
@@ -94,6 +95,9 @@ class Office(unittest.TestCase):
 
     def put_down(self, package):
         return self.end(self.deliver.send_goal(DeliverGoal(package=package)))
+
+    def test_names_match_the_reference_page(self):
+        check_names("office", "/office", {})
 
     def test_package_goes_from_office_to_office(self):
         status, result = self.pick("1")
