@@ -150,8 +150,8 @@ class ReplayBag(unittest.TestCase):
             with rosbag.Bag(str(self.bag)) as bag:
                 reported = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
             self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in reported))
-            if browser.found() is not None:
-                self.look_at(page, goals)
+        if browser.found() is not None:
+            self.look_at(page, goals)
 
     def look_at(self, page, goals):
         with browser.Browser(browser.found()) as shown:
