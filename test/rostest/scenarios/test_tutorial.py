@@ -16,6 +16,7 @@ from pathlib import Path
 import rospy
 import rostest
 import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
+from actionlib_msgs.msg import GoalStatusArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -68,6 +69,8 @@ class Tutorial(unittest.TestCase):
                 self.environment[name] = value.replace("$PWD", self.folder).replace(f"${name}", os.environ[name])
             elif words[0] in STAYING:
                 self.stack.callback(self.end, self.start(words))
+                if words[0] == "roslaunch":
+                    rospy.wait_for_message("rosoclingo/status", GoalStatusArray, PATIENCE)
             else:
                 self.compare(command, shown, *self.output(words, interrupted="^C" in shown))
         return len(parts)
