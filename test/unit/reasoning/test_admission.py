@@ -2,13 +2,12 @@
 
 import pytest
 from core_scripts import perform, scripts
-from goal_clients import HEARING, Clients, crowd
+from goal_clients import HEARING, crowd
 
 #: The initial number of goals, their limits, and the events.
 TIMED = {"search_timeout": 10.0}
 ROOM = {
     "at first for a few": (30, TIMED, "has 1-8; plan old; has 1-8"),
-    "without a limit in time for all": (30, {}, "has 1-30"),
     "goals join once half of it is free": (30, TIMED, """
         plan 6; end 1-3; has 4-8; end 4; has 5-12; plan 6; cancel 13-30; end 5-8; has 9-12; add 40; has 9-12 40"""),
     "each goal joins at once if actions go on": (30, {**TIMED, "text": HEARING + "#external _running/3."}, """
@@ -17,12 +16,9 @@ ROOM = {
     "all join once there is a fast plan": (15, TIMED, "plan 0.1; has 1-15"),
     "more only after a plan with a full room": (7, TIMED, "plan 0.01; add 8-29; has 1-8"),
     "less after a slow plan": (7, TIMED, "plan 24; size 4"),
-    "no seconds count without a limit in time": (40, {}, "put_off 9-40; plan 1000; size 10"),
     "never more than is set": (5, {"at_once": 3}, """
         put_off 2 3; has 1; plan; has 1 2; plan; end 1; has 2-4; plan; plan; end 2; has 3-5"""),
     "a single goal says nothing of others": (8, {}, "no_plan 5-8; no_plan 3 4; no_plan 2; has 1; no_plan 1; has 2-8"),
-    "as at first after a single goal, but it grows slowly": (30, TIMED, """
-        put_off 2-8; has 1; no_plan 1; has 2-9; plan 0.1; size 10"""),
     "a single new goal is tried alone next": (3, {}, """
         add 4; feed; no_plan 4 new 4; add 5; feed; plan; end 1; plan; has 2 3 5; end 2 3 5; has 4"""),
 }  # fmt: skip
@@ -40,7 +36,6 @@ WAITING = {
         lacks 5; plan; has 1; end 1; has 5"""),
     "among failed goals the one with the fewest failures comes first": (3, {"at_once": 1}, """
         no_plan 1; no_plan 2; no_plan; no_plan 3; has 1; no_plan 1; has 2; no_plan; no_plan 2; has 1"""),
-    "a cancelled failed goal blocks no other goal": (1, {}, "no_plan; add 2; cancel 1; tick 1; has 1 2"),
     "failed goals give way to a new one": (1, {}, """
         no_plan; in_vain; add 2; in_vain 1; stay 1; in_vain; plan; has 1 2; in_vain; no_plan 2; no_plan 1"""),
 }  # fmt: skip
@@ -49,19 +44,13 @@ PATIENCE = {
     "doubles for a single goal": (1, {}, """
         patience 1; no_plan; patience 2; no_plan; patience 4; no_plan; patience 8; no_plan; patience 8; plan; patience 1
         """),
-    "that of the goal with the fewest failures": (3, {"at_once": 1}, """
-        no_plan 1; patience 1; end 2; end 3; has 1; patience 2; cancel 1; patience 1"""),
     "more if no goal can be taken out": (2, {}, """
         stay; patience 2 unhurried; stay; patience 4; go_on; patience 1 hurried; stay; plan; patience 1; stay; put_off 2
         patience 1"""),
     "ever more if nothing of an update is accepted": (1, {}, """
         give_time; patience 2; give_time; give_time; give_time; give_time; patience 32; plan old; patience 1"""),
-    "goals can be taken out after an update that came too late": (2, {}, """
-        give_time; patience 2 hurried; stay; patience 4 unhurried; plan; end 2; give_time; patience 2 unhurried"""),
     "a search goes on if there is nothing else to plan for": (1, {}, """
         patience 1 hurried; no_plan; patience 2 unhurried; add 2; patience 2 hurried; stay 1; patience 2 unhurried"""),
-    "a goal in hand bars nothing once it is cancelled": (2, {}, """
-        stay 2; cancel 2; no_plan; patience 2 unhurried; add 3; in_vain 1; patience 2 hurried"""),
     "no search without end while another goal can have its turn": (2, {"at_once": 1}, """
         no_plan 1; no_plan; has 2; patience 2 hurried; no_plan 2; has 1; patience 2 hurried; end 2; patience 2 unhurried
         """),
@@ -77,8 +66,6 @@ OVERTAKING = {
         add 3-5; cancel 4; add 6; tells 6 at most 2 goals are planned for at a time; end 1; has 2 3; end 3; has 2"""),
     "a failed goal joins others once it is overtaken too often": (4, {"at_once": 2, "overtaking_limit": 2}, """
         end 2 3; add 5-7; has 1; no_plan 1; has 4 5; end 4; has 5 6; end 5; has 1 6; patience 1"""),
-    "a cancelled goal does not come first": (2, {"at_once": 2, "overtaking_limit": 1}, """
-        add 3 4; end 2; has 1; cancel 1; tick 1; has 1 3"""),
 }  # fmt: skip
 
 DROPPED = {
@@ -86,7 +73,6 @@ DROPPED = {
         add 1-4; leave_out; has 1 2; lacks 3 4; tells 1 the solver did not accept it in time
         tells 4 the solver did not accept it in time
         feed; add 5; tells 5 at most 2 goals are planned for at a time"""),
-    "with another goal it waits for room": (1, {}, "add 2; leave_out; has 1; lacks 2; end 1; has 2"),
     "with another goal half of them come again": (1, {}, "add 2-4; leave_out; has 1 2"),
     "alone it comes again after the others": (0, {"at_once": 1, "overtaking_limit": 1}, """
         add 1-3; leave_out; has 2; pauses no; leave_out; has 3; end 3; has 1; patience 2; leave_out; has 2; end 2; has 1
@@ -118,27 +104,6 @@ def test_admission_window_follows_planning_time(seconds, size):
     clients = crowd(60, **TIMED).plan(seconds)
     assert clients.goals.queue.size == size
     assert len(clients.served) == (size if size >= 16 else 8), "goals join once half of the room is free"
-
-
-@pytest.mark.parametrize(("kept", "more"), [(1, 1), (2, 1), (7, 2), (8, 2), (9, 3), (12, 3)])
-def test_admission_window_grows_slowly_after_a_loss(kept, more):
-    perform(crowd(40), f"put_off {kept + 1}-40; has 1-{kept}; size {kept}; plan; size {kept + more}")
-
-
-def test_admission_prefers_older_goals_to_the_nearest():
-    clients = perform(crowd(3, overtaking_limit=1), "put_off 1; end 3")
-    clients.goal(1).overtaken, clients.goal(2).overtaken = 0, 2
-    perform(clients, "tick 1; add 4; tells 4 go(2) has priority; plan; has 1 2")
-
-
-def test_admission_does_not_skip_accepted_or_ended_goals():
-    clients = Clients().add(1, 2)
-    batch = clients.feeder.next_update(1)
-    clients.feeder.update_accepted(batch)
-    clients.end(2)
-    clients.goals.update_accepted(batch.goals, {batch.update.items[0].head})
-    assert clients.fed == ["g1"]
-    assert clients.waits(1) == clients.waits(2) == []
 
 
 # -- searches that arrivals interrupt

@@ -44,15 +44,11 @@ REPAIRS = {
         problem _seen(fog,1) from interface interface contradicts that go(hall) was done in cycle 1: redated to ..."""),
     "late fact is withheld if it is impossible now": ("rivals(fog,glow).", None, """
         facts _kind(fog) _seen(glow,1); sends _kind(fog).; problem _seen(glow,1)...the history: withheld"""),
-    "new fact is withheld before an older one": ("rivals(fog,glow).", None, """
-        facts _kind(fog); facts _seen(glow,now); sends ; problems 1; problem _seen(glow,now)...: withheld"""),
     "fact is withheld before a return": ("", None, """
         facts _kind(odd); goal 3 go(attic,3); fail odd; problems 1; problem _kind(odd)...: withheld"""),
     "two late facts cannot both be redated": ("denies(fog,hall). denies(glow,hall). rivals(fog,glow).", None, """
         facts _seen(fog,1) _seen(glow,1); sends _seen(fog,5).; problem _seen(fog,1)...: redated to cycle 5
         problem _seen(glow,1) from...: withheld"""),
-    "two facts are redated to the same one": ("denies(fog,hall). denies(fog,den).", None, """
-        facts _seen(fog,1) _seen(fog,3); sends _seen(fog,5)."""),
     "no time to find the facts": ("denies(fog,hall).", 0, """
         facts _seen(fog,1) _seen(glow,1); problem _seen(fog,1)...possibly contradicts the history: withheld
         problem _seen(glow,1)...possibly contradicts the history: withheld"""),

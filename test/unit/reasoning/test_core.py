@@ -4,7 +4,6 @@ import re
 
 import pytest
 from core_driver import ERRANDS, DeferringSolver, Driver
-from core_programs import DARK
 from core_scripts import play, scripts
 
 from rosoclingo.reasoning.events import GoalProgress
@@ -69,7 +68,6 @@ CYCLES = {
     "goal without actions is judged in the cycle of its request": (AT_ONCE, {}, """
         goal a told(1); goal b asked(2); all a active succeeded
         says b no rule of the program can see asked(2): rules match told(I)"""),
-    "core waits for a goal without actions": (UNDER_WAY, {}, "goal a told(1); all a active; does; cycle 2"),
     "program that rejects a goal hears of it with the next update": (UNDER_WAY.replace("accepted", "rejected"), {}, """
         goal a told(1); all a rejected; facts _seen(ball); sends _request(cancel(1),2). _seen(ball)."""),
     "actions of a cycle are sent and awaited together": (ARMS, {}, """
@@ -80,10 +78,6 @@ CYCLES = {
     "action that does not return in time": (ERRANDS, {"action_timeout": 10.0}, """
         goal a do(walk,1); wait 9.9; cycle 1; wait 0.1; cycle 2; sends ..._return(walk,timeout,1).; problem ...10 s...
         finish; is a succeeded"""),
-    "actions that do not return in time are reported singly": (ERRANDS, {"action_timeout": 0.5}, """
-        add a do(quick,1); goal b do(quick,2); wait 0.5; problems 2
-        problem _action_lib(quick,1,1) has not returned within 0.5 s: it counts as failed
-        problem _action_lib(quick,2,1) has not returned within 0.5 s: it counts as failed"""),
     "no time-out of actions": (ERRANDS, {"action_timeout": 0.0}, "goal a do(walk,1); wait 1e9; does walk,1,1"),
     "time that jumps back starts the time-out again": (ERRANDS, {"action_timeout": 10.0}, """
         wait 99; goal a do(walk,1); wait -95; wait 9; cycle 1; wait 2; cycle 2"""),
@@ -96,9 +90,6 @@ CYCLES = {
         goal a do(walk,1); finish; is a succeeded; problem ..._action_lib(odd,x,never)..."""),
     "warnings of the solver are reported": (ERRANDS.replace("_seen/1.", "_seen(1..2)."), {}, """
         facts _seen(3); problem Head _seen(3) has not been declared external. The entire rule will be ignored."""),
-    "program without an answer at first": (DARK, {}, """
-        problem the program has no answer before any request...; facts _seen(sun); goal a do(walk,1); finish
-        is a succeeded"""),
     "identities of live goals are unique": (ERRANDS, {}, """
         goal first do(walk,1); goal second do(run,1); says second the identifier '1' is in use: do(walk,1) has not ended
         goal first do(run,2); says first the goal handle 'first' is in use; succeed; goal third do(run,1)
@@ -117,15 +108,6 @@ def test_core_defers_a_plan_for_limited_cycles_after_arrival():
     driver.begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
     assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
-
-
-def test_core_reports_events_of_a_goal_in_order():
-    driver = Driver().goal("a", "do(walk,1)").facts("_return(walk,1,1)")
-    assert [f"{type(event).__name__} {event.cycle}" for event in driver.journal.events] == [
-        *("PlanMade 1", "StateChanged 1"),
-        *("UpdateSent 1", "ActionsDispatched 1", "PlanMade 1", "StateChanged 1", "GoalProgress 1"),
-        *("ReturnAccepted 1", "UpdateSent 2", "PlanMade 2", "StateChanged 2", "GoalChanged 2", "GoalChanged 2"),
-    ]
 
 
 @pytest.mark.slow

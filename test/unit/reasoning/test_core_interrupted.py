@@ -1,23 +1,15 @@
 """Interrupted searches and updates that the solver drops or refuses lose no goal, action or return."""
 
-import os
-import signal
-from random import Random
-
 import pytest
 from core_driver import ERRANDS, Driver, FaultyDriver
-from core_programs import BATTERY, DOOMED, FAILED, IMPOSSIBLE, STATUS, fetch
+from core_programs import DOOMED, FAILED, IMPOSSIBLE, STATUS, fetch
 from core_scripts import play, scripts
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from stream_replay import check_replay
-from workloads import sized
 
-from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolveOutcome, SolverError, parse_updates
-from rosoclingo.planning.workers.pool import WorkerPool
-from rosoclingo.planning.workers.process_solver import ProcessSolver
-from rosoclingo.reasoning import stream_planner
-from rosoclingo.reasoning.events import ActionsDispatched, GoalProgress, PlanMade, UpdateSent
+from rosoclingo.oclingo import DroppedError, ReactiveProgram, SolverError, parse_updates
+from rosoclingo.reasoning.events import PlanMade
 from rosoclingo.reasoning.input_feeder import PAUSE
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -30,8 +22,6 @@ FAULTS = {
     "search that is left": (ERRANDS, """
         add a do(walk,1); leave 1; once; all a; does; run; does walk,1,2; cycle 2; finish; is a succeeded
         problems 1; problem the search was interrupted: the test"""),
-    "search that is left, without another reason to search": (ERRANDS, """
-        goal a do(walk,1); hear interface _return(walk,failed,1); leave 1; once; does; run; does walk,1,3; finish"""),
     "cancel during a search": (ERRANDS, """
         add a do(walk,1); leave 1; once; cancel a; is a preempted; sends _request(cancel(1),2).; goal b do(run,2)
         finish; is b succeeded"""),
@@ -40,20 +30,9 @@ FAULTS = {
         fault none; unsent ..._seen(sun)...; run
         sends :- not _action_lib(walk,1,1). _request(do(run,2),3). _return(walk,1,1). _seen(sun).
         does run,2,2; finish; is a succeeded; is b succeeded; cycle 3"""),
-    "goal that is cancelled in a dropped update": (ERRANDS, """
-        add a do(walk,1); add b do(run,2); fault dropped; leave 1; once; fault none; cancel a
-        all a recalling recalled; unsent ...walk...; finish; is b succeeded"""),
     "recovery that is left": (RAIN, """
         goal a do(walk,1); hear interface _return(walk,failed,1) _seen(rain); leave 2; once; problems 1
         problem the search was interrupted: the test; all a; run; all a active aborted"""),
-    "new goal while another one is tried again": (ERRANDS, """
-        fault dropped run; goal a do(run,1); pass 10; leave 1; once; goal b do(walk,2); does walk,2,2; finish
-        is b succeeded; fault none; wait 20; finish; is a succeeded"""),
-    "update whose look-ahead is dropped": (ERRANDS, """
-        fault dropped search..._request(do(; goal a do(walk,1); finish; is a succeeded; goal b do(never,2)
-        is b aborted; sends ..._request(cancel(2)...
-        says b do(never,2) cannot be met: there is no plan of at most 8 steps; goal c do(run,3); finish
-        is c succeeded"""),
     "undecided search whose repetition is dropped": (ERRANDS, f"""
         add a do(walk,1); fault undecided; once; fault dropped; run; fault none; wait {PAUSE - 1}; does
         wait 1; finish; is a succeeded"""),
@@ -64,30 +43,21 @@ FAULTS = {
         goal a do(walk,1); succeed; hear interface _seen(end); leave 2; once; sends _seen(end).; add b do(run,2)
         run; finish; is b succeeded; sent #withdraw _seen(end)...."""),
     "update of which nothing was accepted": (ERRANDS, "fault refused; goal a do(walk,1); all a rejected; unsent ..."),
-    "fact that was not accepted is new when it comes again": (BATTERY, """
-        fault refused _battery; facts _battery(high,9); sends ; fault none; facts _battery(high,9)
-        facts _battery(high,9); sends _battery(high,9).; cycle 2"""),
     "searches without an end": (ERRANDS, f"""
         goal a do(walk,1); finish; fault undecided unless #anew; add b do(run,2); {"once;" * 10} problems 10
         problem {GOES_ON}; fault none; run; finish; is b succeeded; goal c do(walk,3); finish; is c succeeded"""),
-    "proofs that come late": (ERRANDS, "".join(f"""
-        fault undecided; add {number} do(never,{number}); once; all {number}; fault none; run; is {number} aborted
-        says {number} do(never,{number}) cannot be met: there is no plan of at most 8 steps; problem {GOES_ON}
-        problems {number}""" for number in (1, 2, 3))),
+    "proof that comes late": (ERRANDS, f"""
+        fault undecided; add a do(never,1); once; all a; fault none; run; is a aborted
+        problem {GOES_ON}; problems 1"""),
     "program that cannot begin again": (IMPOSSIBLE, """
         fault refused #anew; goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2)
         facts _battery(high,9) _return(rest,failed,2); is b aborted; is c aborted; does
         says b do(run,2) cannot be met: there is no plan of at most 10 steps
         problem no answer was found, even without goals: there is no plan of at most 10 steps"""),
-    "goal that is cancelled before the restarted program knows it": (IMPOSSIBLE, """
-        goal a do(walk,1); add c do(rest,9); succeed; add b do(run,2)
-        hear interface _battery(high,9) _return(rest,failed,2); once; problem ERROR: ...; cancel b
-        all b recalling recalled; unsent ...do(run,2)..."""),
-    **{f"{fault} whether to begin again": (IMPOSSIBLE, f"""
-        goal a do(walk,1); add c do(rest,9); succeed; fault {fault} #anew; hear interface _return(rest,failed,2); once
+    "undecided whether to begin again": (IMPOSSIBLE, """
+        goal a do(walk,1); add c do(rest,9); succeed; fault undecided #anew; hear interface _return(rest,failed,2); once
         all c; problems 1; problem there is no plan of at most 9 steps, and the goals that cannot be met were not...
-        fault none; run; says c do(rest,9) is aborted: the program forgets its history""")
-       for fault in ("undecided", "dropped")},
+        fault none; run; says c do(rest,9) is aborted: the program forgets its history"""),
 }  # fmt: skip
 
 
@@ -124,44 +94,6 @@ def test_core_ends_all_goals_if_solver_accepts_nothing():
     )
 
 
-def three_walks(text=ERRANDS):
-    """Return a driver with three goals, the first under way, and their numbers in the order of the plan."""
-    driver = FaultyDriver(text)
-    for number in (1, 2, 3):
-        driver.core.add_goal(str(number), f"do(walk,{number})")
-    return driver, [str(action.parameter) for action in driver.run().core.plan.actions]
-
-
-def test_core_defers_kept_plan_by_its_idle_cycles():
-    driver, (first, one, last) = three_walks()
-    play(driver, f"leave 1; hear interface _return(walk,{first},1) _seen(ball); once; cycle 2")
-    assert driver.core.plan.actions == (), "the search was left"
-    play(driver, f"fault undecided unless #volatile; run; does walk,{one},3")
-    later = [str(action.atom) for action in driver.core.plan.remaining(3)]
-    assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
-    types = [type(event) for event in driver.journal.events if event.cycle == 3]
-    assert types.index(UpdateSent) < types.index(ActionsDispatched) < types.index(GoalProgress)
-
-
-#: Only these requests are declared.
-DECLARED = ERRANDS.replace(
-    "#external _request/2.", "#external _request(do(walk,1..3),1..9). #external _request(cancel(1..3),1..9)."
-)
-
-
-@pytest.mark.parametrize(("text", "state"), [(ERRANDS, "succeeded"), (DECLARED, "rejected")])
-def test_core_defers_no_goal_for_an_unacceptable_one(text, state):
-    driver, (first, second, _) = three_walks(text)
-    slow = driver.fail_for(SolveOutcome.INTERRUPTED, unless="#volatile").fault
-    drops = text is ERRANDS
-    driver.fault = lambda update: DroppedError("no") if drops and "do(run" in str(update) else slow(update)
-    driver.core.add_goal("9", "do(run,9)")
-    play(driver, f"facts _return(walk,{first},1); does walk,{second},2")
-    assert [goal.key for goal in driver.core.queue.waiting] == (["9"] if state == "succeeded" else [])
-    assert not any("the search goes on" in problem for problem in driver.problems)
-    play(driver, f"fault none; finish; is 9 {state}")
-
-
 def test_core_restarted_program_has_only_new_goals():
     driver = play(
         Driver(IMPOSSIBLE),
@@ -174,19 +106,6 @@ def test_core_restarted_program_has_only_new_goals():
     assert sum(text.startswith("ERROR: ") for text in driver.problems) == 1
     assert [event.cycle for event in driver.journal.of(PlanMade)] == [1, 1, 2, 3, 3, 4]
     play(driver, "facts _battery(high,9) _return(run,2,4); sends ..._battery(high,9)...; is b succeeded")
-
-
-def test_core_reports_each_update_that_restarts_a_program(monkeypatch):
-    monkeypatch.setattr(stream_planner, "MANY_STEPS", 20)
-    driver = Driver(IMPOSSIBLE + "#external _tick/1.", settings=CoreSettings(horizon_limit=4))
-    for number in range(20):
-        driver.facts(f"_tick({number})")
-    play(driver, "goal a do(walk,1); succeed; add b do(run,2); succeed; does run,2,24")
-    begun = driver.journal.stream.index("#anew")
-    assert driver.journal.stream[begun:].replace("\n", " ").split("#step ")[1:] == [
-        "23 : 4. #closed 20..22. #over 13. #end step. ",
-        "24 : 4. #closed 23. _request(do(run,2),25). #end step. ",
-    ]
 
 
 # -- actions and their returns, in every way that an update reaches the solver
@@ -314,57 +233,3 @@ def test_core_leaves_out_refused_return_with_its_action():
         goal b fetch(mug,2); finish; is b succeeded""",
     )
     assert "_action_lib(arm,cup,1)" not in driver.journal.stream
-
-
-class Killer:
-    """Kills the worker now and then before it has answered an update, and sometimes the next worker as well."""
-
-    def __init__(self, process, draw):
-        self.process, self.draw = process, draw
-        self.left = self.kills = 0
-
-    def __call__(self):
-        self.left -= 1
-        again = False
-        if self.left in (0, -2, -3) and self.draw.random() < 0.8:
-            self.kill()
-            again = self.draw.random() < 0.5
-        killed = self.process.pid
-
-        def look():
-            nonlocal killed
-            if again and self.process.pid != killed:
-                killed = self.process.pid
-                self.kill()
-
-        return look
-
-    def kill(self):
-        if self.process.pid is not None:
-            os.kill(self.process.pid, signal.SIGKILL)
-            self.kills += 1
-
-
-@pytest.mark.slow
-def test_core_loses_no_failure_with_a_killed_worker():
-    draw, goals = Random(0), [str(number) for number in range(sized(12, 36))]
-    process = WorkerPool(PROGRAM, shortest=True, standby=True)
-    process.start()
-    watch = Killer(process, draw)
-    try:
-        driver = Driver(program=PROGRAM, settings=CoreSettings(), solver=lambda _: ProcessSolver(process), watch=watch)
-        arm = Arm(driver)
-        for number in goals:
-            driver.core.add_goal(number, f"fetch(thing{number},{number})")
-            arm.go_on()
-            for fails in (True, False):
-                watch.left = draw.choice([1, 1, 2])
-                arm.answer(fails, f"_seen({number})")
-        arm.finish()
-        arm.check()
-        assert [driver.states(number)[-1] for number in goals] == ["succeeded"] * len(goals)
-        assert arm.things == {f"thing{number}" for number in goals}
-        assert watch.kills > 5
-        assert any("dropped" in text for text in driver.problems)
-    finally:
-        process.close()

@@ -6,9 +6,6 @@ import pytest
 from core_driver import FORGETFUL, Driver
 from workloads import sized
 
-from rosoclingo.oclingo import parse_atom
-from rosoclingo.planning.history import Plan
-
 #: Goals after which all bounded containers are full; the solver compacts more often than that.
 GOALS = sized(60, 90)  # after these goals the solver has compacted at every place where it can
 
@@ -33,14 +30,3 @@ def test_core_memory_does_not_grow_with_goals():
     more = sized(20, GOALS)
     before = objects(driver, GOALS, GOALS + more)
     assert objects(driver, GOALS + more, GOALS + 2 * more) - before < more, "an object or more is kept for each goal"
-
-
-@pytest.mark.slow
-def test_core_plans_of_many_answers_share_no_symbols():
-    gc.collect()
-    before = len(gc.get_objects())
-    for number in range(60):
-        answer = frozenset(parse_atom(f"seen({number},{place})") for place in range(20))
-        assert not Plan.from_atoms(answer, 1).actions
-    gc.collect()
-    assert len(gc.get_objects()) - before < 1000

@@ -2,57 +2,16 @@ import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning.goals import (
-    TERMINAL,
-    Goal,
-    GoalError,
-    GoalEvent,
-    GoalState,
-    Outcome,
-    TransitionError,
-    read_goal,
-)
+from rosoclingo.reasoning.goals import Goal, GoalError, GoalState, Outcome, TransitionError, read_goal
 from rosoclingo.reasoning.keywords import LONGEST
 
 
-def goal(text="goal(a,b,1)", key="key"):
-    return Goal(key, parse_term(text))
-
-
-def at(state):
-    one = goal()
-    one.state = state
-    return one
-
-
 def test_goal_event_that_its_state_excludes_is_an_error():
-    one = at(GoalState.SUCCEEDED)
+    one = Goal("key", parse_term("goal(a,b,1)"))
+    one.end(Outcome.SUCCEEDED, "is met")
     with pytest.raises(TransitionError, match="succeeded"):
-        one.apply(GoalEvent.ACCEPT)
-    assert one.state is GoalState.SUCCEEDED
-
-
-@pytest.mark.parametrize("state", sorted(set(GoalState) - set(TERMINAL), key=str))
-@pytest.mark.parametrize("outcome", list(Outcome))
-def test_goal_that_lives_can_have_every_outcome(state, outcome):
-    one = at(state)
-    one.end(outcome, "why")
-    assert one.state in TERMINAL
-    assert one.message == "why"
-
-
-def test_goal_that_was_accepted_is_aborted_not_rejected():
-    one = at(GoalState.ACTIVE)
-    one.end(Outcome.REJECTED, "why")
-    assert (one.state, one.outcome) == (GoalState.ABORTED, Outcome.ABORTED)
-
-
-@pytest.mark.parametrize("outcome", list(Outcome))
-def test_goal_ends_once(outcome):
-    one = at(GoalState.SUCCEEDED)
-    with pytest.raises(TransitionError):
-        one.end(outcome, "again")
-    assert one.message == ""
+        one.end(Outcome.ABORTED, "again")
+    assert (one.state, one.message) == (GoalState.SUCCEEDED, "is met")
 
 
 @pytest.mark.parametrize(
@@ -61,12 +20,9 @@ def test_goal_ends_once(outcome):
         ("", "cannot be a goal"),
         ("Disinfect(kitchen,1)", "'Disinfect.kitchen,1.' cannot be a goal: Disinfect begins .* write disinfect"),
         ("disinfect(Kitchen,1)", 'goal: Kitchen is a variable, since .* such as kitchen or "Kitchen"'),
-        ("goal(X,office2,1)", "cannot be a goal"),
         ("goal(office3,office2,1", "cannot be a goal"),
         ("goal(a). goal(b)", "cannot be a goal"),
-        ("not a", "cannot be a goal"),
         ("office", "names no goal"),
-        ("17", "names no goal"),
         ("cancel(1)", "cancel the goal itself"),
         ("\x00", "cannot be a goal"),
         ("goal(" * 2000, "cannot be a goal"),
@@ -81,7 +37,7 @@ def test_goal_length_is_limited():
     longest = f'goal("{"x" * (LONGEST - 10)}",1)'
     assert len(longest) == LONGEST
     assert str(read_goal(longest)) == longest
-    assert len(str(goal(longest))) < 300, "messages do not repeat it all"
+    assert len(str(Goal("key", parse_term(longest)))) < 300, "messages do not repeat it all"
     with pytest.raises(GoalError, match=f"too long for a goal: write at most {LONGEST} characters") as error:
         read_goal(longest.replace("x", "xx", 1))
     assert len(str(error.value)) < 400

@@ -65,9 +65,6 @@ class Feeder(InputFeeder):
         assert self.pending == (truth == "yes")
         assert waiting is None or self.waiting == int(waiting)
 
-    def arrived(self, number):
-        assert self.arrivals == int(number)
-
 
 #: The clock, and the script.
 UPDATES = {
@@ -81,13 +78,6 @@ UPDATES = {
     "goal waits until the cancel of its identity is known": (None, """
         cancel 1; goal goal(c,d,1); next 5 _request(cancel(1),5).; take; is_pending yes
         next 6 _request(goal(c,d,1),7)."""),
-    "nothing is left once the update is accepted": (None, """
-        goal g(1); done a,x,4; facts _seen(ball); is_pending yes
-        next 1 :- not _action_lib(a,x,4). _request(g(1),2). _seen(ball).; is_pending yes; take; is_pending no
-        next 2"""),
-    "arrivals while an update is sent wait for the next one": (None, """
-        cancel 7; reject 7; next 1 _request(cancel(7),1). _request(cancel(7),1).; goal g(2); cancel 8; facts _seen(ball)
-        take; next 2 _request(g(2),3). _request(cancel(8),2). _seen(ball)."""),
     "rejected goal is not cancelled once another of its identity comes": (None, """
         reject 1; reject 2; goal g(1); next 3 _request(cancel(2),3). _request(g(1),4)."""),
     "update that was not accepted comes with the next one": (Clock(), """
@@ -96,19 +86,7 @@ UPDATES = {
         ends g(1); facts _seen(dog,now); is_pending yes
         next 4 :- not _action_lib(a,x,2). _request(g(2),5). _request(cancel(7),4). _seen(ball,4). _seen(dog,4).
         take; is_pending no"""),
-    "update that was not accepted comes first, and each fact once": (Clock(), """
-        goal g(1); facts _seen(ball,now); next 3 _request(g(1),4). _seen(ball,3).; goal g(2); cancel 7
-        facts _seen(ball,now); is_pending yes 1
-        next 4 _request(g(1),5). _request(g(2),5). _request(cancel(7),4). _seen(ball,4)."""),
-    "goals wait for a fact of now that counts from the next update on": (Clock(lambda name, arity: 1), """
-        goal g(1); cancel 7; facts _shut(den,now); next 1 _request(cancel(7),1). _shut(den,1).; take; is_pending yes
-        next 2 _request(g(1),3)."""),
-    "nothing waits after an update": (Clock(lambda name, arity: 1), """
-        goal g(1); facts _shut(den,now); wait; is_pending no; next 1 _shut(den,1).; take; is_pending yes"""),
     "facts of the first cycles are not over": (None, "facts _seen(ball,0); next 1 _seen(ball,0)."),
-    "arrivals are counted": (None, """
-        is_pending no 0; arrived 0; facts _seen(ball); is_pending yes 1; arrived 1; goal g(1); cancel 7
-        is_pending yes 1; arrived 3"""),
     **{f"{arrival} ends the wait": (None, f"facts _seen(ball); wait; is_pending no; {arrival}; is_pending yes")
        for arrival in ("goal g(1)", "cancel 7", "facts _seen(ball)")},
 }  # fmt: skip

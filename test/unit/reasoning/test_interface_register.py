@@ -59,15 +59,6 @@ def test_register_waits_for_answer_of_unannounced_nodes():
     assert found.look([HOLD], {"/a"}, NODES, 20.0), "the one that answered is gone"
 
 
-def test_register_counts_only_nodes_that_receive_and_answer():
-    ((_, text, _),) = looked(register(a="move_base"), [HOLD], {"/a", "/recorder"}, {"/a", "/joystick"})
-    assert text.endswith("the interfaces are move_base")
-    nodes = frozenset("/" + letter for letter in "badgcefh")
-    ((_, text, _),) = looked(register(), [HOLD], nodes, nodes)
-    assert text.endswith("the interfaces are none, and /a, /b, /c, /d, /e, /f, /g, /h may have others")
-    assert register(a="z k b m", b="y c a x").names == list("abckmxyz")
-
-
 def test_register_reports_first_late_action_that_certainly_waits():
     found = register(a="move_base")
     found.look([MOVE, HOLD], {"/a"}, {"/a"}, 0.0)

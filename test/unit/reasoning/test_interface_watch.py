@@ -94,7 +94,6 @@ SILENCES = {
         announce work(r1); problems 1; announce arm(r1); problem _back(r1,now): arm(r1) is heard again"""),
     "core that was suspended": ("", """
         silence 0; announce work(r1); suspend 1000; suspend 1000; problems 0; silence 8; problem _lost(r1,...)..."""),
-    "sensor": ("", "silence 0; hear door _lost(r2,now); silence 100; problems 0"),
 }  # fmt: skip
 
 
@@ -102,12 +101,6 @@ SILENCES = {
 def test_watch_reports_silent_interfaces_to_program(row):
     change, script = row
     play(WatchedDriver(ROBOTS.replace(*change) if change else ROBOTS, SETTINGS), script)
-
-
-def test_watch_of_program_without_lost_robots_watches_no_interface():
-    driver = WatchedDriver(ROBOTS.replace("_lost/2. #external", "_lost/1. #external"), SETTINGS)
-    driver.announce("work(r1)")
-    assert driver.core.interfaces.record()["interfaces:watched"] == []
 
 
 @pytest.mark.parametrize(

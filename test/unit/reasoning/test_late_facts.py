@@ -6,10 +6,9 @@ from core_programs import BATTERY, DOORS
 from core_scripts import play, scripts
 from hypothesis import given
 from hypothesis import strategies as st
-from workloads import sized
 
 from rosoclingo.oclingo import parse_update
-from rosoclingo.reasoning.events import ActionsPreempted, StateChanged, UpdateSent
+from rosoclingo.reasoning.events import StateChanged, UpdateSent
 from rosoclingo.reasoning.input_feeder import MOST_TURNS
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -51,38 +50,6 @@ def test_late_facts_follow_the_script(row):
     assert driver.core.live_goals == []
 
 
-@pytest.mark.slow
-@pytest.mark.once
-def test_late_facts_of_long_past_cycles_are_redated():
-    goals = sized(25, 130)
-    now = 2 * goals + 1
-    driver = Driver(BATTERY)
-    for number in range(goals):
-        driver.goal(str(number), f"do(walk,{number})").finish()
-    driver.core.receive("power", ["_battery(low,3)", "_battery(low,4)"])
-    driver.goal("b", "do(run,200)")
-    assert f"_battery(low,{now})." in driver.journal.updates[-2]
-    assert driver.awaited == [f"_action_lib(run,200,{now + 1})"]
-    reported = f"_battery(low,3) from interface power is too late: it is redated to _battery(low,{now})"
-    assert driver.problems[0] == reported
-    assert driver.finish().states("b")[-1] == "succeeded"
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("cycle", [6, 7])
-def test_early_fact_without_work_ends_cancelled_goal(cycle):
-    """Nothing is executed meanwhile; the answer ends later than now, and the core waits for its end."""
-    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office3,office1,1)").until("pickup")
-    driver.succeed().succeed()
-    assert driver.awaited == ["_action_lib(move_base,office1,5)"]
-    driver.core.cancel_goal("key")
-    driver.core.receive("door", [f"_blocked(office1,office2,{cycle})"])
-    driver.succeed().finish()
-    assert driver.states("key")[-1] == "preempted"
-    assert driver.core.live_goals == []
-
-
 # -- several messages of one origin in one cycle: the program knows the last word
 
 
@@ -109,15 +76,6 @@ at(R,t) :- at(R,t-1), not moved(t).
 :- wanted(R,t), not at(R,t).
 """
 
-#: The robot can knock instead at a closed door.
-KNOCK = """
-#program cumulative(t).
-{ _action_lib(knock,R,t) } :- wanted(R,t), shut(R,t-1).
-at(R,t) :- _action_lib(knock,R,t).
-"""
-
-#: The same, except that an open goal has an action in each cycle.
-RESTLESS = VISITS.replace("{ _action_lib(go", "1 { _action_lib(go").replace("not at(R,t-1) }", "R != none }")
 
 COMMIT = ":- not _action_lib(go,study,1)."
 
@@ -127,25 +85,20 @@ TURNS = {
         facts _in(study,now) _in(hall,now); facts _gone(study,now); succeed; cycle 3
         sends {COMMIT} _in(study,2). _in(hall,2). _gone(study,3). _return(go,study,1).
         goal b visit(hall); does go,hall,4""",
-    "turns of several origins run side by side": f"""
-        hear eye _in(hall,now); hear ear _in(study,now); hear ear _gone(study,now); succeed
-        sends {COMMIT} _in(study,2). _in(hall,3). _gone(study,3). _return(go,study,1).""",
     "no turns of facts that name their cycle": f"""
         facts _in(study,1); facts _gone(study,2); succeed; cycle 2
         sends {COMMIT} _in(study,1). _gone(study,2). _return(go,study,1).""",
     "repeated facts are one turn": f"""
         {"facts _in(study,now);" * 50} succeed; cycle 2; sends {COMMIT} _in(study,2). _return(go,study,1).""",
-    "old word about a door ends no goal": """
-        hear door _shut(study,now); hear door _open(study,now); fail failed; finish; is a succeeded""",
     "last word about a door ends the goal with the fact": """
         hear door _open(study,now); hear door _shut(study,now); fail failed; finish; is a aborted
         says a ..._shut(study,...""",
 }
 
 
-def driving(text=VISITS, **more):
+def driving():
     """Return a core whose robot is on its way to the study."""
-    return play(Driver(text, CoreSettings(horizon_limit=10, **more)), "goal a visit(study); does go,study,1")
+    return play(Driver(VISITS, CoreSettings(horizon_limit=10)), "goal a visit(study); does go,study,1")
 
 
 def believed(driver):
@@ -157,20 +110,6 @@ def believed(driver):
 def test_message_turns_follow_the_script(row):
     driver = play(driving(), row)
     assert parse_update(driver.journal.of(UpdateSent)[-1].stream).step == driver.core.cycle
-
-
-def test_message_turns_before_first_cycle_are_separate_cycles():
-    driver = Driver(VISITS, CoreSettings(horizon_limit=10), start=False)
-    play(driver, "hear door _shut(study,now); hear door _open(study,now); add a visit(study)")
-    play(driver.begin(), "finish; is a succeeded; problems 0")
-
-
-@pytest.mark.parametrize(("words", "ended"), [(["_shut", "_open"], 0), (["_open", "_shut"], 1)])
-def test_message_turns_decide_whether_action_is_still_wanted(words, ended):
-    driver = driving(VISITS + KNOCK, preempt=True)
-    for word in words:  # the core examines the running actions once both messages are there
-        driver.core.receive("door", [f"{word}(study,now)"])
-    assert len(driver.run().journal.of(ActionsPreempted)) == ended
 
 
 @pytest.mark.slow
@@ -187,10 +126,9 @@ def test_message_turns_are_bounded_and_last_ones_stay_ordered():
 @pytest.mark.slow
 @given(
     st.lists(st.tuples(st.sampled_from(["_in", "_gone"]), st.sampled_from(["hall", "study"])), max_size=8),
-    st.booleans(),
 )
-def test_message_turns_give_same_beliefs_as_separate_cycles(words, restless):
-    driver, expected = driving(RESTLESS if restless else VISITS), {}
+def test_message_turns_give_same_beliefs_as_separate_cycles(words):
+    driver, expected = driving(), {}
     for name, room in words:
         driver.facts(f"{name}({room},now)")
         expected[room] = name == "_in"

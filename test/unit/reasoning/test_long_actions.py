@@ -1,13 +1,10 @@
 """Programs with ``_running``: a cycle ends with the first return or arrival, and the other actions go on."""
 
-import re
-
 import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
-from late_standby import Standby
 from lint_programs import block
-from team_programs import FREE, LATER, TEAM
+from team_programs import FREE, TEAM
 
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -27,9 +24,6 @@ COURSES = {
         sends ..._running(drill,2,1). _return(saw,worn,1).; facts _return(saw,1,1); problem ...has returned already...
         facts _return(drill,2,1); does saw,1,2; is b succeeded; is a active; facts _return(saw,1,2); is a succeeded
         done drill,2,1 saw,1,1 saw,1,2""",
-    "an action can return only once": """
-        add a job(saw,1); goal b job(drill,2); facts _return(saw,1,1) _return(saw,1,1); problems 1
-        facts _return(saw,1,1); problems 2; facts _return(drill,2,2); problems 3; does drill,2,1""",
     "time limits count from the dispatch": """
         goal a job(saw,1); pass 30; goal b job(drill,2); wait 19; cycle 2; wait 1; does drill,2,2 saw,1,3
         sends ..._running(drill,2,2). _return(saw,timeout,2).; wait 30; does saw,1,3 drill,2,4
@@ -51,13 +45,6 @@ COURSES = {
         add a job(saw,1); goal b job(saw,2); facts _return(saw,failed(2),1); does saw,1,1 saw,2,2
         sends ..._running(saw,1,1). _return(saw,failed(2),1).; facts _return(saw,worn,1); does saw,2,2 saw,1,3
         sends ..._running(saw,2,2). _return(saw,worn,2).""",
-    "a failure does not look like the success of an action of another cycle": """
-        goal a job(saw,1); goal b job(saw,2); facts _return(saw,2,1); does saw,2,2 saw,1,3
-        sends ..._running(saw,2,2). _return(saw,failed(2,1),2).""",
-    "a search that an arrival ends is repeated while actions run": """
-        goal a job(saw,1); add b job(drill,2); leave 1; run; does saw,1,1 drill,2,3
-        sent ..._running(saw,1,1). _request(job(drill,2),3).; sends :- not _action_lib(saw,1,2). _running(saw,1,2).
-        facts _return(drill,2,3); sends ..._running(saw,1,3). _return(drill,2,3).""",
     "a search without time is repeated while actions run": """
         goal a job(saw,1); add b job(drill,2); slow 1; run; does saw,1,1; problem ...1 of 2 goals wait
         sends :- not _action_lib(saw,1,2). _running(saw,1,2).; facts _return(saw,1,1); all a active succeeded
@@ -88,14 +75,6 @@ def test_long_actions_wait_in_programs_without_running():
     )
 
 
-def test_long_actions_let_later_requests_in_at_once():
-    play(
-        Driver(LATER),
-        """goal a job(saw,1); does saw,1,2; goal b job(drill,2); does saw,1,2 drill,2,4; cycle 4
-        sent ..._running(saw,1,2). _request(job(drill,2),4).; sends :- not _action_lib(saw,1,3). _running(saw,1,3).""",
-    )
-
-
 LEFT_OUT = """goal a job(saw,1); goal b job(drill,2); cancel a; is a preempted; does saw,1,1 drill,2,2
     sent ..._running(saw,1,2). _running(drill,2,2). _request(cancel(1),3).; """
 
@@ -109,11 +88,6 @@ LEFT_OUT = """goal a job(saw,1); goal b job(drill,2); cancel a; is a preempted; 
             "ends; facts _seen(owl); sends :- not _action_lib(drill,2,3). _running(saw,1,3). _running(drill,2,3). ...",
         ),
         (
-            False,
-            False,
-            "facts _return(saw,1,1); sends :- not _action_lib(drill,2,3). _running(drill,2,3). _return(saw,1,3).",
-        ),
-        (
             True,
             False,
             "ends saw,1,1; cycle 3; facts _return(saw,preempted,1); does drill,2,2; sends ..._return(saw,preempted,3).",
@@ -124,17 +98,6 @@ LEFT_OUT = """goal a job(saw,1); goal b job(drill,2); cancel a; is a preempted; 
 def test_long_actions_that_a_plan_leaves_out(preempt, declared, script):
     text = FREE + "#external _cancel/3.\n" * declared
     play(Driver(text, CoreSettings(horizon_limit=8, preempt=preempt)), LEFT_OUT + script)
-
-
-@pytest.mark.slow
-def test_long_actions_are_preempted_if_no_plan_needs_them():
-    text = TEAM + "#external _cancel/3.\n"
-    play(
-        Driver(text, CoreSettings(horizon_limit=8, preempt=True)),
-        """add a job(saw,1); goal b job(drill,2); cancel a; ends saw,1,1; does drill,2,1 saw,1,1; cycle 3
-        sends ..._running(saw,1,2). _cancel(saw,1,2).; facts _return(saw,preempted,1); does drill,2,1
-        facts _return(drill,2,1); is b succeeded; does; ends saw,1,1; done drill,2,1 saw,1,1""",
-    )
 
 
 def workshop():
@@ -162,35 +125,6 @@ def test_durations_are_learned_and_planned():
     play(driver, "pass 10; facts _return(saw,2,4); does paint,2,6; wait 10; finish; is b succeeded; problems 0")
 
 
-@pytest.mark.parametrize(
-    ("ends", "searches"),
-    {"_return(drill,4,6)": 0, "_return(saw,3,5)": 1, "_return(drill,worn,6)": 1}.items(),
-)
-def test_long_actions_prefetch_the_return_that_is_due_first(ends, searches):
-    standby = Standby()
-    driver = Driver(TEAM, solver=standby.solver)
-    play(
-        driver,
-        "goal a job(saw,1); pass 9; facts _return(saw,1,1); goal b job(drill,2); pass 5; facts _return(drill,2,3)",
-    )
-    play(driver, "goal c job(saw,3); pass 1; goal d job(drill,4); does saw,3,5 drill,4,6")
-    driver.core.prepare()
-    before = standby.searches
-    play(driver, f"facts {ends}")
-    assert standby.searches - before == searches
-
-
-def test_long_actions_need_no_search_for_expected_success_while_nothing_runs():
-    standby, limits = Standby(plan_time=None), CoreSettings(horizon_limit=20, learn_durations=False)
-    driver = Driver(re.sub(r"#minimize.*", "", WORKSHOP), limits, solver=standby.solver)
-    searches = play(driver, "goal a make(box,9,1)") and standby.searches
-    play(driver, "facts _return(saw,1,1); sends :- not _action_lib(saw,1,1). _return(saw,1,1).; does paint,1,2")
-    assert standby.searches == searches
-    play(driver, "goal b make(box,9,2); facts _return(saw,2,3); sends ..._running(paint,1,3). _return(saw,2,3).")
-    assert standby.searches == searches + 2, "for the goal, and as an action goes on"
-    play(driver, "finish; is a succeeded; is b succeeded; problems 0")
-
-
 def test_deadlines_that_cannot_be_kept_abort_the_goal():
     play(
         workshop(),
@@ -203,7 +137,6 @@ def test_deadlines_that_cannot_be_kept_abort_the_goal():
 MEASURED = {
     "the first one is that of the interface": ([3.2], ["..._takes(saw,any,4)."]),
     "the second one is that of the parameter": ([3.0, 3.0], ["..._takes(saw,any,3).", "..._takes(saw,7,3)."]),
-    "a similar one changes nothing": ([8.0, 9.5, 9.5], ["..._takes(saw,any,8).", "..._takes(saw,7,9).", ""]),
     "another one replaces the last": (
         [10.0, 30.0],
         ["..._takes(saw,any,10).", "#withdraw _takes(saw,any,10). ..._takes(saw,7,20). _takes(saw,any,20)."],

@@ -23,18 +23,10 @@ COURSES = {
         ERRANDS,
         "pause; goal a do(never,1); is a aborted; says a ...cannot be met...; goal b do(run,2); is b active; does",
     ),
-    "a cancel of a pause is met at once": (
-        ERRANDS,
-        "pause; goal a do(walk,1); cancel a; is a preempted; does; resume; does; done",
-    ),
     "a pause without an arrival changes no cycle": (
         ERRANDS,
         """goal a do(walk,1); pause; cycle 1; wait 9; cycle 1; resume; cycle 1; does walk,1,1; succeed; is a succeeded
         pause; wait 9; resume; cycle 2""",
-    ),
-    "a failure of a pause is tried again after it": (
-        ERRANDS,
-        "goal a do(walk,1); pause; fail worn; does; is a active; resume; does walk,1,...; succeed; is a succeeded",
     ),
     "a search without time keeps the withheld plan": (
         ERRANDS,
@@ -47,29 +39,15 @@ COURSES = {
         is a aborted; is b aborted; fail preempted; does; goal c do(run,3); does run,3,...; succeed; is c succeeded
         done walk,1,1 run,3,...""",
     ),
-    "stop ends cancelled and queued goals": (
-        ERRANDS,
-        """goal a do(walk,1); cancel a; is a recalling; add b do(run,2); stop
-        is a recalling preempting aborted; is b active aborted; succeed; does""",
-    ),
     "a stopped core that is paused stays paused": (
         ERRANDS,
         """pause; goal a do(walk,1); stop; is a aborted; does; goal b do(run,2); is b active; does; resume
         does run,2,...; done run,2,...""",
     ),
-    "a second stop changes nothing": (
-        ERRANDS,
-        "goal a do(walk,1); stop; stop; ends walk,1,1; fail preempted; does; stop; goal b do(run,2); does ...",
-    ),
     "actions of several cycles go on in a pause": (
         TEAM,
         """goal a job(saw,1); pause; goal b job(drill,2); does saw,1,1; is b active; facts _return(saw,1,1); does
         is a succeeded; resume; does drill,2,...; done saw,1,1 drill,2,...; problems 0""",
-    ),
-    "withheld actions begin after a pause while others run": (
-        TEAM,
-        """goal a job(saw,1); pause; goal b job(drill,2); does saw,1,1; resume; does saw,1,1 drill,2,...
-        facts _return(saw,1,1); does drill,2,...; is a succeeded; problems 0""",
     ),
     "stop cancels actions of several cycles": (
         TEAM,

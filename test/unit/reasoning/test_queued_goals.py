@@ -18,7 +18,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 pytestmark = pytest.mark.once
 
-MANY = min(1000, 3 * settings.default.max_examples // 2)  # goals in a long run
+MANY = min(1000, 2 * settings.default.max_examples)  # goals in a long run
 
 
 def ask(driver, *numbers, what="walk"):
@@ -97,48 +97,18 @@ def test_queued_goals_of_busy_core_follow_script(row):
     play(Errands(most=most), script)
 
 
-def test_queued_goals_window_changes_only_with_their_plans():
-    settings = CoreSettings(horizon_limit=8, search_timeout=10.0)
-    driver = ask(BusyDriver(settings=settings, most=99), *range(1, 7))
-    driver.seconds = lambda goals: 90.0
-    assert driver.run().core.queue.size == 3, "half the number of before"
-    driver.seconds = lambda goals: 0.001
-    assert driver.fail("failed").core.queue.size == 3
-
-
 @pytest.mark.slow
 @pytest.mark.once
 def test_queued_goals_are_admitted_up_to_planning_capacity():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
-    driver = ask(BusyDriver(most=99), *range(1, 60))
+    driver = ask(BusyDriver(most=99, plan_time=0.0), *range(1, 40))
     driver.seconds = lambda goals: SHARE * CoreSettings.search_timeout * (goals / 12) ** 2
     driver.run().finish()
-    assert len(ends(driver)) == 59
+    assert len(ends(driver)) == 39
     assert max(driver.searches) == 12
     assert "#withdraw" not in driver.journal.stream
     joins = [update for update in driver.journal.updates if "_request(do(" in update]
-    assert len(joins) < 12, "they join together"
-
-
-def test_search_continues_if_nothing_else_needs_planning():
-    driver = BusyDriver(most=9, heavy={"g1": 1000})
-    queue = driver.core.queue
-    ask(driver, 1)
-    driver.core.advance(1.0)
-    assert (queue.patience, queue.unhurried) == (2, True)
-    ask(driver, 2)
-    assert not queue.unhurried
-    assert driver.waits("g2") == ["do(walk,1) has priority"]
-    driver.core.advance(1.0)
-    assert driver.awaited == ["_action_lib(walk,2,2)"]
-    assert [goal.key for goal in queue.waiting] == ["g1"]
-    for _ in range(9):
-        driver.core.receive("interface", [f"_return(walk,2,{driver.core.cycle})"])
-        driver.core.advance(1.0)
-    assert queue.patience == 8
-    driver.heavy.clear()
-    driver.run().finish()
-    assert driver.states("g1")[-1] == "succeeded"
+    assert len(joins) < 10, "they join together"
 
 
 def stream(limit, plan_time=None):
@@ -154,10 +124,7 @@ def stream(limit, plan_time=None):
 
 
 @pytest.mark.mostly_slow
-@pytest.mark.parametrize(
-    ("limit", "plan_time"),
-    [(3, None), (3, 0.0), (3, 1.0), pytest.param(10, None, marks=[pytest.mark.slow, pytest.mark.once])],
-)
+@pytest.mark.parametrize(("limit", "plan_time"), [(3, 0.0), (5, None)])
 def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
     driver = stream(limit, plan_time)
     order = driver.order()
@@ -171,22 +138,11 @@ def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
 
 
 @pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize("plan_time", [None, 0.0])
-def test_far_goal_starves_without_a_limit(plan_time):
-    assert "far" not in stream(0, plan_time).order()
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize(
-    ("goals", "plan_time"),
-    [pytest.param(MANY, None, marks=[pytest.mark.slow, pytest.mark.once]), (40, 0.0)],
-)
-def test_many_goals_with_failures_and_interrupted_searches_end(goals, plan_time):
+def test_many_goals_with_failures_and_interrupted_searches_end():
     """Failed actions are tried again and goals beyond the capacity wait; only impossible goals are aborted."""
-    driver, draw, asked, hopeless = BusyDriver(most=5, chance=0.1, plan_time=plan_time), Random(7), 0, set()
+    driver, draw, asked, hopeless = BusyDriver(most=5, chance=0.1, plan_time=0.0), Random(7), 0, set()
     for _ in range(20_000):
-        while asked < goals and len(driver.core.live_goals) < 20:
+        while asked < MANY and len(driver.core.live_goals) < 20:
             for _ in range(draw.choice([1, 1, 1, 10])):
                 asked += 1
                 hopeless |= {f"g{asked}"} if draw.random() < 0.1 else set()
@@ -213,9 +169,9 @@ OTHERS = ("_lies(777,office1,now)", "_off(776,now)", "_aboard(775,now)", "_off(7
 def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
     """The world is modelled independently of the program; a package picked up for a queued goal is not forgotten."""
     program = shipped("mailbot.lp", "office.lp")
-    driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=3, chance=0.3)
+    driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=2, chance=0.3, plan_time=0.0)
     world, draw, wanted, fails = World(), Random(seed), {}, False
-    packages, at_once = sized((5, 4), (14, 7))
+    packages, at_once = sized((3, 3), (14, 7))
     for _ in range(400):
         while len(wanted) < packages and len(driver.core.live_goals) < at_once:
             start, end = draw.sample(OFFICES, 2)
@@ -235,44 +191,6 @@ def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
     assert {number: world.places[number] for number in wanted} == wanted
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
     assert any(driver.waits(f"g{number}") for number in wanted)
-
-
-#: Errands in two parts; the program takes each success as proof that the action was possible.
-IN_TWO_PARTS = """
-#external _request/2. #external _return/3.
-#program cumulative(t).
-waiting(I,t) :- _request(do(I),t+1).
-waiting(I,t) :- waiting(I,t-1), not _action_lib(fetch,I,t-1), not _request(cancel(I),t).
-carried(I,t) :- waiting(I,t-1), _action_lib(fetch,I,t-1).
-carried(I,t) :- carried(I,t-1), not _action_lib(bring,I,t-1).
-{ _action_lib(fetch,I,t) : waiting(I,t); _action_lib(bring,I,t) : carried(I,t) } 1.
-{ _action_lib(A,P,t) } :- _return(A,P,t).
-:- 3 { carried(I,t) }.
-#program volatile(t).
-:- waiting(I,t). :- carried(I,t), not _action_lib(bring,I,t).
-#program base.
-#show _action_lib/3.
-"""
-
-
-@pytest.mark.slow
-def test_goal_in_hand_stays_if_program_allows_it_to_go():
-    """Without its request, the program would forget the fetched item and fetch it again while it is carried."""
-    driver = BusyDriver(IN_TWO_PARTS, settings=CoreSettings(horizon_limit=20), most=9)
-    for number in range(1, 5):
-        driver.core.add_goal(f"g{number}", f"do({number})")
-    driver.run()
-    while not driver.awaited[0].startswith("_action_lib(fetch"):
-        driver.succeed()
-    fetched = [driver.awaited[0].split(",")[1]]
-    driver.most = 2
-    driver.core.add_goal("g5", "do(5)")
-    driver.fail(fetched[0])
-    assert f"g{fetched[0]}" not in [goal.key for goal in driver.core.queue.waiting]
-    assert driver.core.queue.waiting
-    driver.finish()
-    done = [action.split(",")[:2] for action in driver.journal.actions]
-    assert len(done) == len({tuple(action) for action in done}) == 10
 
 
 class EndlessDriver(BusyDriver):
@@ -296,7 +214,7 @@ class EndlessDriver(BusyDriver):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("before", [0, 1, 2, 4])
+@pytest.mark.parametrize("before", [0, 2])
 def test_endless_goal_does_not_block_planning_of_others(before):
     driver = EndlessDriver(most=9, heavy={"g9": 10**9})
     ask(driver, *range(1, before + 1))
@@ -310,18 +228,6 @@ def test_endless_goal_does_not_block_planning_of_others(before):
     driver.turns(20)
     assert driver.ended() == others
     assert driver.states("g9") == [], "it is not aborted"
-
-
-def test_endless_goal_costs_the_others_one_search():
-    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
-    ask(driver, 1, 2).turns(1)
-    ask(driver, 9).turns(2)
-    cut = sum(text.startswith("no plan was found before") for text in driver.problems)
-    for number in (3, 4, 5, 6):
-        ask(driver, number).turns(1)
-    while driver.core.awaited:
-        driver.turns(1)
-        assert sum(text.startswith("no plan was found before") for text in driver.problems) == cut <= 1
 
 
 def test_endless_goal_is_cancelled():

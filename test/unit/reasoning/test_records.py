@@ -68,16 +68,11 @@ def recorded(log):
 @pytest.mark.parametrize(
     ("entries", "passed"),
     [
-        ([], 0),
         (["search"], 0),
-        (["plan 1", "search", "plan 2"], 0),
         (["plan 1", "checkpoint 1", "plan 2", "search"], 1),
-        (["checkpoint 1", "plan 1", "checkpoint 2"], 2),
         (["plan 1", "update 1", "search", "update 2", "plan 2"], 0),
-        (["update 1", "checkpoint 1", "update 2"], 1),
         (["update 1", "checkpoint 1", "plan 1", "update 2", "search"], 1),
         (["update 1", "checkpoint 1"], 0),
-        (["plan 1", "checkpoint 0", "plan 2", "update 1", "checkpoint 1", "plan 1"], 1),
         (["update 1", "checkpoint 1", "search", "checkpoint 2", "update 2", "checkpoint 3", "search"], 3),
     ],
 )
@@ -97,17 +92,14 @@ RETURN = Return(*ACTIONS[0])
 @pytest.mark.parametrize(
     ("hint", "value"),
     [
-        (TaskPlan, TaskPlan()),
         (TaskPlan, TaskPlan(ACTIONS, ("no cycle", "no cycle, either"))),
         (Optional[TaskPlan], None),
         (Observation, Observation(RETURN.atom, 3, ACTIONS, "eye", parse_atom("_seen(now)"), outdated=True, message=5)),
         (Dispatch, Dispatch(1, ACTIONS, 2.5, [RETURN], [])),
         (FrozenSet[Action], frozenset(ACTIONS)),
         (List[Tuple[Symbol, ...]], [(), (parse_atom('f("x",-1)'),)]),
-        (Tuple[int, int], (1, 2)),
         (GoalState, GoalState.ACTIVE),
         (float, float("-inf")),
-        (float, 0.5),
     ],
 )
 def test_codec_reads_back_values_of_a_type(hint, value):

@@ -57,7 +57,7 @@ def is_relevant(relevance, goal, cycle=2):
     "goal",
     [
         *("visit(hall)", "visit(pantry)", "both(hall,kitchen)", "lots(7)", "far(mars)", "use(den)", "map(mars)"),
-        *("near(mars)", "early(1)", "ever(a)", "twice(1)", "run(x)", "run(z)", "dash(hall)", "count(hall)"),
+        *("near(mars)", "early(1)", "ever(a)", "twice(1)", "run(z)", "dash(hall)", "count(hall)"),
         *("cond(kitchen)", "halt(home)", 'text("abc",1)', "range(2)", "sum(3,2)"),
     ],
 )
@@ -68,42 +68,27 @@ def test_relevance_accepts_requests_that_some_rule_sees(visits, goal):
 @pytest.mark.parametrize(
     ("goal", "advice"),
     [
-        ("visti(hall)", "did you mean visit(hall)?"),
         ("vISIT(hALL)", "did you mean visit(hall)?"),
-        ("visit(attic)", "attic is none of hall, kitchen, pantry"),
         ('visit("kitchen")', "did you mean visit(kitchen)?"),
-        ("visit(kichen)", "did you mean visit(kitchen)?"),
         ("visit(hall,1)", None),
-        ("visit", None),
-        ("both(hall)", None),
         ("both(hall,hall)", "the conditions of visits.lp:13 exclude it"),
         ("both(hall,mars)", "mars is none of hall, kitchen, pantry"),
-        ("lots(3)", "the conditions of visits.lp:14 exclude it"),
         ("lots(12)", None),
         ("far(hall)", "the conditions of visits.lp:15 exclude it"),
         ("use(hut)", "hut is none of den"),
-        ("run(w)", None),
         ("dash(mars)", None),
-        ("count(mars)", None),
         ("cond(mars)", None),
         ("halt(away)", None),
         ("text(abc,1)", 'did you mean text("abc",1)?'),
-        ("range(7)", None),
         ("sum(3,3)", None),
         ("shown(hall)", None),
         ("hall", None),
-        ("17", None),
     ],
 )
 def test_relevance_rejects_requests_that_no_rule_sees(visits, goal, advice):
     assert not is_relevant(visits, goal)
     reported = visits.advice(parse_atom(f"_request({goal},2)"))
     assert reported == advice if advice else reported
-
-
-def test_relevance_accepts_a_cycle_named_by_a_rule(visits):
-    assert is_relevant(visits, "early(1)", 2)
-    assert not is_relevant(visits, "early(1)", 3)
 
 
 def test_relevance_suggests_form_with_missing_argument():
@@ -141,15 +126,12 @@ STEPS = "#external _request/2.\n#program cumulative(t).\n"
     ("rules", "goal"),
     [
         ("wanted(G,t) :- _request(G,t).", "anything(1)"),  # seen, regardless of the consequences
-        ("wanted(G,t) :- _request(G,t). wanted(G,t) :- wanted(G,t-1).", "anything(1)"),
         ("wanted(G,t) :- _request(G,C), C <= t. :- wanted(G,t), not p(G,t). p(G,t) :- wanted(G,t).", "anything(1)"),
         ("p(X,t) :- _request(do(X),t), known(X,t). known(X,t) :- _told(X,t). #external _told/2.", "do(it)"),
         ("#defined room/1. p(X,t) :- _request(do(X),t), not room(X).", "do(it)"),
         ("#external ready(X,t) : _request(do(X),t). q(t) :- ready(X,t).", "do(it)"),
         ("#minimize { 1,X : _request(do(X),t) }.", "do(it)"),
         ("p(X,Y,t) :- _request(do(X),t), pair(X,Y). pair(1..4,1..4). :- p(1,2,t).", "do(1)"),
-        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(f(X),t). :- q(7,t).", "do(7)"),
-        ("p(t) :- _request(do(-1),t).", "do(-1)"),
     ],
 )
 def test_relevance_of_unusual_rules(rules, goal):
@@ -159,12 +141,10 @@ def test_relevance_of_unusual_rules(rules, goal):
 @pytest.mark.parametrize(
     ("rules", "goal"),
     [
-        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(g(X),t).", "do(7)"),
         ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(f(X),t). :- q(7,t).", "do(8)"),
         ("p(X,Y,t) :- _request(do(X,Y),t), pair(X,Y).\n#program base.\npair(1,2). pair(3,4).", "do(1,4)"),
         ("#show p(X) : _request(do(X),t). p(t) :- _request(cancel(X),t).", "do(7)"),
         ("p(X,t) :- _request(do(X),t), room(X). r(X,t) :- r(X,t-1), not _request(do(_,X),t).", "do(7)"),
-        ("", "do(7)"),
     ],
 )
 def test_relevance_rejects_requests_whose_chain_ends_unused(rules, goal):

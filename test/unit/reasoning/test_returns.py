@@ -1,28 +1,9 @@
 """Returns and facts of interfaces at the limits of what the core accepts and remembers."""
 
-import pytest
 from core_driver import Driver
 from core_programs import BATTERY
 
-from rosoclingo.reasoning.events import Problem, ReturnAccepted
-
-MOST_FACTS = 3
-
-
-@pytest.fixture(autouse=True)
-def few_facts(monkeypatch):
-    """Limit facts per message to keep the tests quick."""
-    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_FACTS", MOST_FACTS)
-
-
-def test_returns_are_dated_with_present_cycle_and_interface():
-    driver = Driver().goal("a", "do(walk,1)").goal("b", "do(run,2)").succeed()
-    driver.facts("_seen(ball)", "garbage((", "_return(run,2,2)")
-    driver.core.receive("door", [*["_seen(X)"] * MOST_FACTS, "_seen(ball)"])
-    assert [one.cycle for one in driver.journal.of(ReturnAccepted)] == [1, 2]
-    assert any("_seen(ball)" in one for one in driver.journal.updates)
-    reported = [(one.origin, one.cycle) for one in driver.journal.of(Problem)]
-    assert reported == [("interface", 2), *[("door", 3)] * (MOST_FACTS + 1)]
+from rosoclingo.reasoning.events import Problem
 
 
 def test_returns_limit_remembered_facts_with_a_cycle(monkeypatch):

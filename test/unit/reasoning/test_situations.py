@@ -169,8 +169,3 @@ def test_dropped_update_is_resent_without_goals_then_facts(word, kept):
         sends {kept}; all b; problem update 2 is dropped: no; fault none; wait 10; finish; is b succeeded
         sent ...{FACT}...""",
     )
-
-
-def test_dropped_update_is_sent_once_in_each_form():
-    driver = play(FaultyDriver(), "goal a do(walk,1); fault dropped; succeed")
-    assert driver.failed == [f"{how} 2. {DONE} _return(walk,1,1)." for how in ("search", "take")]

@@ -51,20 +51,6 @@ def test_failed_only_action_aborts_its_goal(program, name):
 
 
 @pytest.mark.sampled(4)
-def test_failed_action_leaves_independent_goals_alone(program):
-    driver, keys = Driver(program), {"cup": "a", "mug": "b", "jug": "c"}
-    for number, (thing, key) in enumerate(keys.items()):
-        driver.core.add_goal(key, f"fetch({thing},{number})")
-    failed = str(driver.run().core.awaited[0].parameter)
-    driver.fail("failed").finish()
-    ends = {key: driver.states(key)[-1] for key in "abc"}
-    assert ends.pop(keys[failed]) == "aborted"
-    assert set(ends.values()) == {"succeeded"}
-    done = [one for one in driver.journal.actions if f"arm,{failed}," not in one]
-    assert len(done) == 2, "each was fetched"
-
-
-@pytest.mark.sampled(4)
 def test_action_that_never_returns_has_failed(program, name):
     play(
         Driver(program, CoreSettings(horizon_limit=8, action_timeout=10.0)),
@@ -78,27 +64,23 @@ def test_action_that_never_returns_has_failed(program, name):
 STOPPED = [(name, one) for name, (_, why) in UNHANDLED.items() for one in range(1, 6 if why == CONTRADICTS else 4)]
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("name", "number"), STOPPED)
 def test_failure_followed_by_a_stopped_search(program, number):
     play(FaultyDriver(program), f"goal a fetch(cup,1); leave {number}; fail failed; finish; is a aborted")
 
 
-@pytest.mark.sampled(7)
-@pytest.mark.parametrize("status", ["", STATUS])
-@pytest.mark.parametrize("rules", ["", FAILED + ":- failed(t).\n"])
+@pytest.mark.parametrize("rules", ["", FAILED + ":- failed(t).\n" + STATUS])
 @pytest.mark.parametrize(
     ("returns", "ends"),
     [
-        ("failed(cup) mug", "aborted succeeded"),
         ("failed mug", "aborted succeeded"),
         ("cup failed", "succeeded aborted"),
-        ("failed(cup) failed(mug)", "aborted aborted"),
         ("failed failed", "aborted aborted"),
     ],
 )
-def test_failure_of_some_of_concurrent_actions(status, rules, returns, ends):
-    driver = play(Driver(fetch(one="", rules=rules + status)), "add a fetch(cup,1); goal b fetch(mug,2)")
+def test_failure_of_some_of_concurrent_actions(rules, returns, ends):
+    driver = play(Driver(fetch(one="", rules=rules)), "add a fetch(cup,1); goal b fetch(mug,2)")
     assert len(driver.awaited) == 2
     driver.facts(*(f"_return(arm,{value},1)" for value in returns.split())).finish()
     assert " ".join(driver.states(key)[-1] for key in "ab") == ends
@@ -108,17 +90,16 @@ def test_failure_of_some_of_concurrent_actions(status, rules, returns, ends):
 ONCE = """
 #external _request/2. #external _return/3.
 #program cumulative(t).
-ACTS :- _request(do(I),t+1).
+_action_lib(arm,I,t) :- _request(do(I),t+1).
 #program base.
 #show _action_lib/3.
 """
 
 
-@pytest.mark.parametrize("acts", ["_action_lib(arm,I,t)", "{ _action_lib(arm,I,t) } = 1"])
 @pytest.mark.parametrize("constraint", ["", "#program cumulative(t).\n:- _return(A,V,t), not _action_lib(A,V,t).\n"])
-def test_failed_action_that_must_have_happened_aborts_goal(acts, constraint):
+def test_failed_action_that_must_have_happened_aborts_goal(constraint):
     play(
-        Driver(ONCE.replace("ACTS", acts) + constraint),
+        Driver(ONCE + constraint),
         """
         goal a do(1); fail failed; finish; is a aborted; goal b do(2); finish; is b succeeded""",
     )

@@ -1,18 +1,9 @@
 """A core that resumes from its journal can still explain aborted goals."""
 
-import json
-
 import pytest
-from clingo import parse_term
 from kept_node import PROGRAM
-from stream_logs import text_of
 
-from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.history import History
-from rosoclingo.reasoning.aborted_goals import KEPT, AbortedGoals
-from rosoclingo.reasoning.events import GoalUnmet
 
 
 def ask(node, **texts):
@@ -45,31 +36,3 @@ def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     third = start(horizon_limit=4)
     assert [str(term) for term in third.keeper.aborted_goals.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
     assert explained(third, "3") == reasons["c"]
-
-
-def unmet(number, text="#step 1.\n#end step."):
-    stream = Stream(History(), parse_update(text), 9)
-    return GoalUnmet(number, f"key {number}", parse_term(f'do("a,b",{number})'), stream)
-
-
-def terms(goals):
-    return [term.arguments[1].number for term in goals.terms]
-
-
-def restored(goals):
-    found = AbortedGoals()
-    found.restore({"goal:a": "another row", **json.loads(json.dumps(goals.record()))})
-    return found
-
-
-def test_explanations_remember_the_latest_aborted_goals():
-    goals = AbortedGoals()
-    for number in (*range(1, KEPT + 6), KEPT):  # a known goal comes again
-        goals.add(unmet(number))
-    latest = [*range(6, KEPT), *range(KEPT + 1, KEPT + 6), KEPT]
-    assert terms(goals) == terms(restored(goals)) == latest
-    again = restored(goals).find(f'do("a,b",{KEPT})')
-    assert (again.key, again.cycle, str(again.term)) == (f"key {KEPT}", KEPT, f'do("a,b",{KEPT})')
-    assert again.stream._replace(log=None) == unmet(KEPT).stream._replace(log=None)
-    assert text_of(again.stream.log) == ""
-    assert goals.find("key 5") is None

@@ -1,16 +1,12 @@
 """Messages of the core leave once they are durable; each goal stays in the journal until its end is reported."""
 
 import json
-import sqlite3
-from contextlib import closing
 
 import pytest
-from core_driver import ERRANDS, FORGETFUL, shortest
+from core_driver import ERRANDS, shortest
 from full_disk import room_for
 from kept_node import PROGRAM
-from workloads import sized
 
-from rosoclingo.common import database
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, ReturnAccepted
@@ -44,29 +40,13 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
     assert not node.keeper.clients
 
 
-@pytest.fixture
-def records(monkeypatch):
-    """Return the changes in each record."""
-    changes, write = [], Journal.write
-
-    def note(journal, change, *state_and_times):
-        before = journal.records
-        write(journal, change, *state_and_times)
-        changes.extend([change] * (journal.records != before))
-
-    monkeypatch.setattr(Journal, "write", note)
-    return changes
-
-
-def test_keeper_makes_a_return_durable_at_once(start, records):
+def test_keeper_makes_a_return_durable_at_once(start):
     node = start()
     node.goal("a", "do(walk,1)")
     (action,) = node.core.awaited
-    records.clear()
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     node.keeper.send()
     assert [type(event) for event in node.published][-1] is ReturnAccepted
-    assert len(records) == 1
     assert start().core.awaited == ()
 
 
@@ -139,31 +119,6 @@ def test_keeper_second_shutdown_cancels_no_action_twice(start):
     assert not [one for one in again.published if isinstance(one, ActionsPreempted)]
 
 
-def size_of(journal):
-    """Return the bytes of the database, including those that are only in its log."""
-    with closing(sqlite3.connect(str(journal.path))) as db:
-        return db.execute("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size").fetchone()[0]
-
-
-@pytest.mark.slow
-@pytest.mark.once
-def test_keeper_journal_size_does_not_grow_with_goals(start, monkeypatch):
-    monkeypatch.setattr(database, "SYNCED", "OFF")
-    monkeypatch.setattr(folder, "RECORDS", 20)
-    node, sizes, states, goals = start(ReactiveProgram.from_text(FORGETFUL)), [], [], sized(50, 240)
-    for number in range(goals):
-        node.goal(str(number), f"do({number})").succeed()
-        sizes.append(size_of(node.folder))
-        states.append(len(json.dumps(node.core.state())))
-    assert [event.outcome for event in node.published if isinstance(event, GoalChanged)].count(
-        Outcome.SUCCEEDED
-    ) == goals
-    half = len(sizes) // 2
-    assert max(states[half:]) < 1.5 * max(states[:half])
-    assert max(sizes[half:]) < 1.5 * max(sizes[:half])
-    assert max(sizes) < 20 * max(states)
-
-
 def kept(journal, now=lambda: 0.0):
     """Return a core that has not begun, its keeper, and the released messages."""
     published = []
@@ -171,20 +126,6 @@ def kept(journal, now=lambda: 0.0):
     core = Core(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
     return core, keeper, published
-
-
-def test_keeper_records_core_from_start_until_journal_closes(tmp_path):
-    place = Journal(tmp_path, Header("run", "program"))
-    core, keeper, published = kept(place)
-    assert place.read().state["core:started"] is False
-    keeper.close()
-    core.start()
-    keeper.send()
-    assert published != []
-    assert keeper.fault == ""
-    other = Journal(tmp_path)
-    assert other.read().state["core:started"] is False
-    other.close()
 
 
 def test_keeper_releases_all_messages_without_journal(tmp_path):

@@ -13,7 +13,7 @@ from stream_logs import text_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged, UpdateSent
+from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged
 from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
@@ -189,12 +189,3 @@ def test_resumed_core_answers_queries_of_its_node():
     ends = {one.key: one.message for one in events if isinstance(one, GoalChanged) and one.outcome is not None}
     assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
     assert core.live_goals == []
-    disk.write(core.state())
-    next_one = Core(program, lambda: shortest(program), events.append, settings, record=disk.read())
-    for one in next_one.awaited:
-        next_one.receive("hand", [f"_return({one.interface},{one.parameter},{one.cycle})"])
-    assert next_one.advance(0.0)
-    updates = " ".join(str(one) for one in events if isinstance(one, UpdateSent))
-    assert all(f"_request(cancel({number})," in updates for number in (1, 2)), (
-        "the resumed core sends them to the program"
-    )
