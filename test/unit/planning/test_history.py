@@ -10,13 +10,11 @@ from hypothesis import strategies as st
 from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_undeclared
 from solver_reference import Parts, ShortestReference
 from stream_logs import copied, cut, text_of, texts
-from stream_play import atoms, planner_of, play
+from stream_play import planner_of, play
 from workloads import sized
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, fact, parse_atom, parse_update
-from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Literal, Statement, StreamUpdate, Withdraw
-from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
 from rosoclingo.planning.snapshot import Snapshot
@@ -182,44 +180,6 @@ def accepted(text, horizon=1):
 ONE, TWO, THREE = (accepted(f"#over {step}.") for step in (1, 2, 3))
 
 
-def checkpoint_of(**values):
-    """Return a checkpoint entry."""
-    return History().checkpoint(Snapshot(**values)).entry
-
-
-def test_history_text_has_a_line_for_each_entry():
-    log = History().with_entries(AcceptedUpdate(None, 1), accepted('#step 2 : 3. e("a b"). #volatile. :- c.', 4))
-    log = log.adopt(Plan(frozenset([parse_atom("_action_lib(go,1,2)")]), 2, shortest=True))
-    assert text_of(log).splitlines() == [
-        '{"do":"update","update":null,"horizon":1,"predicted":false}',
-        '{"do":"update","update":"#step 2 : 3.\\ne(\\"a b\\").\\n#volatile.\\n:- c.\\n#end step.\\n","horizon":4,'
-        '"predicted":false}',
-        '{"do":"adopt","actions":"_action_lib(go,1,2)","horizon":2,"shortest":true}',
-    ]
-    assert copied(log).entries == log.entries
-    assert copied(log).key == log.key == log.before.key != log.before.before.key
-    assert (log.step, log.horizon, log.length) == (2, 4, 2)
-    assert text_of(History()) == ""
-
-
-@pytest.mark.parametrize(
-    ("entries", "reach"),
-    [
-        ([], (1, 1, 0)),
-        ([accepted("#over 4.")], (1, 1, 4)),
-        ([accepted("#over 4."), accepted("#step 5. #over 3.", 7)], (5, 7, 4)),
-        ([accepted("#step 5.", 7), accepted("#over 6. #over 1.", 8), AcceptedUpdate(None, 9)], (5, 9, 6)),
-        ([accepted("#step 5. #over 4.", 7), accepted("#anew.", 1)], (1, 1, 0)),
-        ([accepted("#step 5. #over 4.", 7), accepted("#step 3. #anew. #over 2.", 4)], (3, 4, 2)),
-        ([ONE, checkpoint_of(step=7, horizon=8, keep_from=6)], (7, 8, 6)),
-    ],
-)
-def test_history_has_step_horizon_and_steps_over(entries, reach):
-    log = History().with_entries(*entries)
-    for one in (log, copied(log)):
-        assert (one.step, one.horizon, one.keep_from) == reach
-
-
 def test_history_returns_later_entries_and_last_update():
     log = History().with_entries(ONE)
     longer = log.with_entries(TWO, THREE)
@@ -241,16 +201,6 @@ def test_history_key_does_not_depend_on_checkpoints():
     assert log.key not in [one.key for one in others]
 
 
-@pytest.mark.parametrize(("size", "longer"), [(0, True), (299, True), (300, False)])
-def test_history_needs_fewer_checkpoints_of_large_snapshots(size, longer):
-    log = History().with_entries(ONE, TWO, THREE)
-    snapshot = Snapshot(
-        items=tuple(TimedStatement(fact(parse_atom(f"e({number})")), FOREVER, 1) for number in range(size))
-    )
-    assert log.is_longer(2, snapshot) is longer
-    assert not log.is_longer(3, snapshot)
-
-
 def test_plan_has_the_actions_of_known_cycles():
     names = ["_action_lib(go,1,3)", "_action_lib(go,2,2)", "_action_lib(go,2,soon)", "_action_lib(go,2)", "at(1,2,3)"]
     answers = (frozenset(), frozenset(map(parse_atom, names)))
@@ -263,33 +213,9 @@ def test_plan_has_the_actions_of_known_cycles():
     assert plan.delayed() == Plan(frozenset(map(parse_atom, ["_action_lib(go,1,4)", "_action_lib(go,2,3)"])), 5)
 
 
-@pytest.mark.parametrize(
-    ("running", "expected"),
-    [
-        (["_running(go(r1),a,3)"], "go(r1),a,4 take(r1),x,5 go(r2),d,4 wave,y,4"),  # both actions of r1 are late
-        (["_running(wave,y,3)"], "take(r1),x,4 go(r2),d,4 wave,y,4 wave,y,5"),  # a name without arguments
-        (["_running(go(r1),a,3)", "_running(go(r2),c,3)"], "go(r1),a,4 take(r1),x,5 go(r2),c,4 go(r2),d,5 wave,y,4"),
-    ],
-)
-def test_plan_delays_only_actions_of_robots_that_are_under_way(running, expected):
-    texts = ["go(r1),a,3", "go(r2),c,3", "take(r1),x,4", "go(r2),d,4", "wave,y,4"]
-    plan = Plan(frozenset(parse_atom(f"_action_lib({one})") for one in texts), 4)
-    late = plan.delayed_by([parse_atom(one) for one in running], 4)
-    assert late == Plan(frozenset(parse_atom(f"_action_lib({one})") for one in expected.split()), 5)
-
-
 # ---- Histories of solvers --------------------------------------------------------------------------------------------
 
 PROGRAM = "#cumulative t. #external e(t). #volatile t."
-
-
-def test_history_has_the_update_of_an_interrupted_search():
-    writer, reader = planner_of(PROGRAM), planner_of(PROGRAM)
-    update = parse_update("#step 9 : 0. e(2). e(9). #endstep.")
-    assert writer.update(update, lambda: True).outcome is SolveOutcome.INTERRUPTED
-    reader.restore(copied(writer.log))
-    assert (reader.step, reader.horizon) == (9, 9)
-    assert atoms(reader.solve()) == atoms(writer.solve()) == ["e(2)", "e(9)"]
 
 
 def test_history_keeps_at_most_two_checkpoints():

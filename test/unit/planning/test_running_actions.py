@@ -56,13 +56,6 @@ def groundings(monkeypatch):
     return built
 
 
-def test_planner_searches_at_least_to_the_step_of_the_update():
-    solver = PlanSolver(PROGRAM)
-    for step in (1, 2, 3):
-        update = parse_update(f"#step {step} : 5. #closed 0..{step - 1}. #endstep.")
-        assert solver.search(update, lambda: False).horizon == step
-
-
 @pytest.mark.parametrize("plan_time", [None, 0.0])
 def test_planner_needs_no_grounding_while_actions_return_or_go_on(plan_time, groundings):
     solver = PlanSolver(PROGRAM, plan_time=plan_time)

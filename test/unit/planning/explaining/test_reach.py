@@ -92,16 +92,6 @@ def test_reach_agrees_with_brute_force_in_small_worlds(world):
     check(world)
 
 
-@pytest.mark.slow
-def test_reach_traces_a_missing_effect_to_its_cause():
-    found = check(World("a", [("a", "b", None), ("c", "d", None)], [], "d"))
-    assert found.never
-    assert [one.atom for one in found.lacking] == ["has(d,t)"]
-    first = found.lacking[0].misses[0]
-    assert (first.text, first.lacks) == ("has(d,t) :- _action_lib(do,1,t), has(c,t-1).", "has(c,t)")
-    assert "has(c,t)" in {one.atom for one in found.lacking[0].misses}
-
-
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize(
     ("goal", "atom", "last"),

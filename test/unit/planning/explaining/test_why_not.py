@@ -113,12 +113,3 @@ def test_explanation_is_incomplete_after_a_stop():
     assert not half.complete
     assert {one.rule.line for one in half.rules} >= {14, 21}
     assert "incomplete: out of time" in half.text()
-
-
-@pytest.mark.slow
-def test_explanation_names_atoms_that_nothing_derives():
-    found = why_not("_request(go(e),2).")
-    assert found.never
-    assert [one.lacks for one in found.lacking[0].misses] == ["start(e)", "_action_lib(go,e,t)", "way(_,e)"]
-    assert "requires way(_,e), which is never true" in found.text()
-    assert "no rule excludes a plan" not in why_not("_request(go(d),2).").text()

@@ -1,35 +1,17 @@
 """The search for a first plan: its questions, and the time for better plans (see also test_walks.py)."""
 
-from itertools import count
-
 import pytest
 from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
-from plain_walk import program_text
-from stream_play import adopt, processor_clock
+from stream_play import adopt
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, parse_update
-from rosoclingo.planning.grounding import Grounding
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
-from rosoclingo.planning.strategies import soon
-from rosoclingo.planning.strategies.soon import KEPT, LATER, FirstPlanSearch
+from rosoclingo.planning.strategies.soon import LATER, FirstPlanSearch
 
 # ---- Questions -------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def plain(monkeypatch):
-    """Search the first plan with few conflicts, and do not trim it (test_trim.py tests that)."""
-
-    def as_found(found, *_rest, **_options):
-        return found
-        yield
-
-    for limit, value in (("EFFORT", 0), ("CONFLICTS_PER_STEP", 0), ("LEAST_CONFLICTS", 100)):
-        monkeypatch.setattr(soon, limit, value)
-    monkeypatch.setattr(soon, "trimmed", as_found)
 
 
 def plan(horizon, *cycles, shortest=False):
@@ -70,47 +52,7 @@ def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
         assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
-@pytest.mark.parametrize(
-    ("last", "predicted", "share"),
-    [
-        (plan(9, 9), True, 0.0),
-        (plan(9, 9, shortest=True), True, KEPT),
-        (plan(9, 9), False, KEPT),
-        (plan(5, 5), True, 1.0),
-        (plan(3, 2, shortest=True), True, 1.0),
-    ],
-)
-@pytest.mark.usefixtures("plain")
-def test_soon_leaves_a_tenth_for_shortening_valid_plans(last, predicted, share):
-    """Predicted plans not proven shortest are kept; without a valid plan the full time is used."""
-    assert run({9: [9], 7: [7], 3: [3]}, {"horizon": 9}, last, predicted=predicted)[0].share == share
-
-
-@pytest.mark.parametrize("advises", [False, True])
-@pytest.mark.usefixtures("plain")
-def test_soon_extends_the_last_plan_while_an_action_goes_on(advises):
-    """New tasks are added to the delayed plan; with advice, any plan is tried first."""
-    world = {"step": 2, "horizon": 12, "most": 12, "running": True, "advises": advises, "hard": {12: 10_000}}
-    _, horizon, asked = run({12: [2, 3, 4, 12]}, world, plan(9, 2, 3))
-    assert horizon == 12
-    assert asked.endswith("2..12+2+3+4/100" if not advises else "2..12/100")
-
-
 # ---- In the solver ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("news", ["", "_request(0,2)."])
-def test_soon_does_not_shorten_predicted_plans(news, searches):
-    ticks = count(0.0)
-    solver = PlanSolver(ReactiveProgram.from_text(program_text()), plan_time=1.0)
-    with processor_clock(lambda: next(ticks)):
-        first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
-    (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
-    assert not first.shortest
-    searches.clear()
-    with processor_clock(lambda: 2.0):
-        result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
-    assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
 CARTS = """
@@ -177,30 +119,3 @@ def test_improve_lets_a_cart_go_as_early_as_possible(cycles, rule, found):
     for one in solver.log.plan.actions:
         planned[str(one.arguments[0])].append(cycle_of(one))
     assert {cart: sorted(some) for cart, some in planned.items()} == {"go(r1)": [1, 2, 3, 4], "go(r2)": found}
-
-
-def test_soon_returns_the_best_answer_in_time(monkeypatch):
-    """Proving the optimum for fourteen pigeons in thirteen holes takes too long."""
-    text = """
-        #program base. pigeon(1..14). hole(1..13).
-        #program cumulative(t). 1 { sits(P,H,t) : hole(H) } 1 :- pigeon(P).
-        #minimize { 1,P,Q,t : sits(P,H,t), sits(Q,H,t), P < Q }.
-        #program volatile(t). :- t < 1.
-    """
-    before, ask = [], Grounding.ask
-
-    def asked(grounding, question, stopped):
-        if question.best:
-            before.extend((grounding, grounding.shown))
-        return ask(grounding, question, stopped)
-
-    def now():
-        """Expire as soon as the search for the optimum has another plan; its first one can be the known plan."""
-        return float(bool(before) and before[0].shown != before[1])
-
-    monkeypatch.setattr(Grounding, "ask", asked)
-    solver = PlanSolver(ReactiveProgram.from_text(text), plan_time=1.0)
-    with processor_clock(now):
-        result = solver.update(StreamUpdate(1))
-    assert result.outcome is SolveOutcome.SATISFIABLE
-    assert result.answers[0] == before[0].shown != before[1]

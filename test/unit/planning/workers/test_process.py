@@ -2,9 +2,7 @@
 
 import os
 import select
-import signal
 
-import pytest
 from children import ended, kill
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
@@ -25,14 +23,6 @@ def test_forked_workers_answer_and_are_replaced():
         result = solver.update(parse_update("#step 2. e(2). #endstep."))
         assert pool.pid != lost
     assert sorted(map(str, result.answers[0])) == ["c(1)", "c(2)", "e(1)", "e(2)"]
-
-
-@pytest.mark.parametrize("fork", [False, True])
-def test_process_reports_its_exit_code(fork):
-    process = WorkerProcess(PROGRAM, {}, fork)
-    assert process.exit_code is None
-    for _ in range(2):
-        assert (process.kill(), process.exit_code) == (-signal.SIGKILL, -signal.SIGKILL)
 
 
 def test_fork_that_fails_ends_with_the_error(monkeypatch, capfd):

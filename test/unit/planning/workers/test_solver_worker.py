@@ -30,10 +30,3 @@ def test_parent_does_not_wait_for_hanging_worker(worker):
     os.kill(worker.pid, signal.SIGCONT)
     assert len(worker.ask(LONG, never).value.answers) == 1
     assert not worker.is_busy()
-
-
-def test_hanging_worker_can_be_killed(worker):
-    os.kill(worker.pid, signal.SIGSTOP)
-    worker.begin(LONG)
-    worker.kill()
-    assert not worker.is_busy()
