@@ -34,17 +34,6 @@ def test_gringo3to5_prints_translated_files_in_order(files):
 
 
 @pytest.mark.slow
-def test_gringo3to5_reads_standard_input_as_gringo_3():
-    assert run("-", stdin=b":- a : b, c.\n") == (0, f":- a : b; c.\n{MARK}", RECOGNISED)
-
-
-RECOGNISED = (
-    "warning: -:1:9: gringo 3 reads this line as ':- a : b; c.'; read as gringo 3 "
-    "(add '% dialect: gringo 3' to confirm this)\n"
-)
-
-
-@pytest.mark.slow
 def test_gringo3to5_writes_files_into_a_folder(files):
     (files / "new").mkdir()
     assert run("one.lp", "two.lp", "-o", "new", folder=files) == (0, "", "")

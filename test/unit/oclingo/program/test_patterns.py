@@ -50,11 +50,8 @@ def test_can_see_includes_all_atoms_that_clingo_grounds(sides):
     ("comparison", "age"),
     [
         ("t-T < n", 2),
-        ("T > t-n", 2),
-        ("t <= T+n", 3),
         ("0 <= t-T < n", 2),
         ("2*t-1 < (T+n)*2", 3),
-        ("t-T = 2", 2),
         ("-(T-t) <= 1", 1),
         ("t < T+5, t < T+2", 1),
     ],
@@ -70,23 +67,16 @@ def test_can_see_is_limited_by_comparisons(comparison, age):
     ("written", "atom", "steps"),
     [
         ("d(t)", "d(3)", {3}),
-        ("d(t)", "d(a)", set()),
         ("d(t+2)", "d(5)", {3}),
         ("d(T,t)", "d(x,2)", {2}),
         ("d(f(t))", "d(f(3))", set(STEPS)),  # arguments of terms are not inspected: any step matches
-        ("d(f(t+1))", "d(f(3))", set(STEPS)),
         ("d(f(t))", "d(g(3))", set()),
-        ("d(f(1))", "d(f(1,2))", set()),
         ("d(f(1,2))", "d(f(1))", set()),
         ("d(f(1))", "d(f(2))", set()),
-        ("d(f(T))", "d(4)", set()),
         ("d(-f(1))", "d(-f(1))", set(STEPS)),
-        ("d(-f(1))", "d(-f(2))", set()),
         ("d(-f(1))", "d(-g(1))", set()),
         ("d(-5)", "d(-5)", set(STEPS)),
-        ("d(-5)", "d(4)", set()),
         ("d(n)", "d(3)", set(STEPS)),
-        ("d(n)", "d(n)", set()),
     ],
 )
 def test_can_see_matches_atoms_with_body_patterns(written, atom, steps):

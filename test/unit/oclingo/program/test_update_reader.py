@@ -48,11 +48,6 @@ def test_reader_adds_a_failure_after_its_return(text, read):
     assert found == parse_update(f"#step 2 : 5. {read or text} #endstep.")
 
 
-def test_reader_leaves_failures_without_commitment_to_the_program():
-    answers = play(planner_of(PROGRAM, models=0), "#step 1. _return(go,a,1).").answers
-    assert sorted(sorted(map(str, answer)) for answer in answers) == [[], ["bad(a,1)"]]
-
-
 def test_reader_adds_only_declared_failures():
     solver = planner_of(PROGRAM.replace("#external _failed/3.", ""))
     assert atoms(play(solver, f"#step 2. {DONE} _return(go,b,1).")) == []

@@ -68,12 +68,6 @@ def test_parse_update_inverts_str_of_updates(update):
     assert parse_update(str(update)) == update
 
 
-@pytest.mark.slow
-@given(st.lists(UPDATES, max_size=3))
-def test_parse_updates_reads_several_updates(updates):
-    assert parse_updates("".join(map(str, updates))) == updates
-
-
 @given(TERMS)
 def test_parse_term_inverts_str_of_terms(term):
     assert parse_term(str(term)) == term
@@ -95,11 +89,8 @@ def test_parse_atom_inverts_str_of_atoms(atom):
         (r'"\n\"\\"', clingo.String('\n"\\')),
         ('f(")")', clingo.Function("f", [clingo.String(")")])),
         ("(1)", clingo.Number(1)),
-        ("((a))", clingo.Function("a")),
         ("(1,)", clingo.Function("", [clingo.Number(1)])),
-        ("((1,),)", clingo.Function("", [clingo.Function("", [clingo.Number(1)])])),
         ("()", clingo.Function("", [])),
-        ("f(())", clingo.Function("f", [clingo.Function("", [])])),
         (
             "f((1,2),3)",
             clingo.Function("f", [clingo.Function("", [clingo.Number(1), clingo.Number(2)]), clingo.Number(3)]),
@@ -191,29 +182,19 @@ def test_stop_directive_ends_an_update():
         ("#step 1. Open(1). #endstep.", (1, 10), "Open begins with a capital letter, as only variables do: write open"),
         ("a.\n", (2, 1), "#endstep"),
         ("a b.", (1, 3), "expected '.' to end the statement, found 'b'"),
-        ("a " + "b" * 60 + ".", (1, 3), f"found '{'b' * 60}'"),
         ("#foo.", (1, 1), "unknown directive"),
         ("e(2147483648). #endstep.", (1, 3), "32 bits"),
-        ("e(" + "9" * 100000 + ").", (1, 3), "32 bits"),
-        ("e(" + "9" * 20 + ").", (1, 3), f"number {'9' * 20} does not fit"),
         ("e(" + "9" * 21 + ").", (1, 3), f"number {'9' * 20}... does not fit"),
         ('p("abc', (1, 3), "unterminated string"),
         ('a.\nb.\n p("\0").', (3, 4), "invalid character"),
         ('a.\n"." ', (2, 1), "atom"),
         ("a. %* x\n\n *%\n  § ", (4, 3), "unexpected character"),
         ('a("' + "b" * 58 + '") c', (1, 65), "'.'"),
-        ("#assert : x. " + "b" * 60 + " c.", (1, 75), "found 'c'"),
-        ("not" + "b" * 57 + " not" + "b" * 57 + ".", (1, 62), "found '" + "not" + "b" * 57 + "'"),
-        ("a " + "b" * 61 + ".", (1, 3), "found '" + "b" * 60 + "'..."),
         ("  %* x", (1, 3), "unterminated comment"),
-        ("p(1", (1, 4), "argument"),
         ("not a.", (1, 1), "atom"),
         ("p(- .).", (1, 5), "number"),
-        ("p(1..2).", (1, 4), "argument"),
         ("#step x.", (1, 7), "number"),
         ("#assert. #endstep.", (1, 8), "term"),
-        ("#endstep x", (1, 10), "'.'"),
-        ("p § .", (1, 3), "unexpected character"),
         ("p(" * 1000, (1, 2 * MAX_DEPTH + 1), "nested deeper"),
     ],
 )

@@ -1,7 +1,6 @@
 """Workarounds for known bugs of clasp."""
 
 from pathlib import Path
-from typing import ClassVar, List
 
 import clingo
 import pytest
@@ -12,9 +11,6 @@ from test_solver_properties import compare
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_term, parse_update
 from rosoclingo.oclingo.progression.updates import Assert, Forget, Literal, Retract, Statement, StreamUpdate, Volatile
-from rosoclingo.planning.explaining.explainer import explain
-from rosoclingo.planning.explaining.questions import Stream
-from rosoclingo.planning.solver import PlanSolver
 
 #: Part of a grounding of the mailbot's program (aspif) that clasp's equivalence preprocessing makes unsatisfiable.
 EQUIVALENCES = Path(__file__).parents[3] / "data" / "equivalences.aspif"
@@ -52,78 +48,6 @@ def test_solver_arguments_avoid_faulty_equivalence_preprocessing(text):
     with control.backend() as backend:
         add_rules(backend, EQUIVALENCES.read_text(encoding="ascii").splitlines()[1:-1])
     assert control.solve().satisfiable
-
-
-#: A walk with returns, a window, minimization and choices without bounds.
-WALK = """
-#program base. at(0,0).
-#external _request/2. #external _return/3.
-#program cumulative(t).
-{ _action_lib(go,X+1,t); _action_lib(go,X-1,t) } :- at(X,t-1), wanted(Y,t-1).
-:- _action_lib(go,X,t), _action_lib(go,Y,t), X < Y.
-moved(t) :- _return(go,X,t).
-at(X,t) :- _action_lib(go,X,t), _return(go,X,t).
-at(X,t) :- at(X,t-1), not moved(t).
-wanted(X,t) :- _request(X,t).
-wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
-#program volatile(t).
-:- wanted(X,t), not at(X,t-1), not _action_lib(go,X,t).
-#show _action_lib/3.
-"""
-UPDATES = (
-    "#step 1 : 5. _request(2,1). #assert : a. :- at(9,3). #endstep.",
-    "#step 2 : 5. :- not _action_lib(go,1,2). _return(go,1,2). #volatile : 3. :- at(8,4). #endstep.",
-    "#step 3 : 9. #retract : a. #forget 1. #closed 1..2. :- not _action_lib(go,1,2). _request(3,3). #endstep.",
-    "#step 4 : 9. #withdraw _return(go,1,2). #over 2. #endstep.",
-)
-
-
-class CountingControl(clingo.Control):
-    """A control that counts its solve calls and stores its arguments."""
-
-    every: ClassVar[List["CountingControl"]] = []
-
-    def __init__(self, arguments=(), *more, **named):
-        super().__init__(arguments, *more, **named)
-        self.arguments, self.calls = list(arguments), 0
-        self.every.append(self)
-
-    def solve(self, *arguments, **named):
-        """Count the call, and solve."""
-        self.calls += 1
-        return super().solve(*arguments, **named)
-
-
-@pytest.fixture
-def controls(monkeypatch):
-    """Replace ``clingo.Control``; yields the list of all controls created in the test."""
-    monkeypatch.setattr(CountingControl, "every", [])
-    monkeypatch.setattr(clingo, "Control", CountingControl)
-    return CountingControl.every
-
-
-def check_arguments(controls):
-    asked = [one for one in controls if one.calls > 1]
-    assert asked
-    assert all("--eq=0" in one.arguments for one in asked)
-
-
-def test_incremental_controls_disable_equivalence_preprocessing(controls):
-    solver = ReactiveSolver(ReactiveProgram.from_text(WALK))
-    for text in UPDATES:
-        solver.update(parse_update(text))
-    check_arguments(controls)
-
-
-@pytest.mark.parametrize("options", [{}, {"plan_time": 0.1}], ids=str)
-def test_planning_controls_disable_equivalence_preprocessing(controls, options):
-    program = ReactiveProgram.from_text(WALK)
-    solver = PlanSolver(program, **options)
-    for text in UPDATES:
-        solver.update(parse_update(text))
-        solver.improve()
-    assert explain(program, Stream(solver.log, parse_update("#step 4. _request(9,4). #endstep."), 3))
-    check_arguments(controls)
 
 
 #: Heads of rules of a step -> possible body atoms, mostly externals of this and the previous step.

@@ -47,22 +47,6 @@ def test_regrounding_in_blocks_changes_no_answer(items):
     assert play(updates) == expected
 
 
-@pytest.fixture
-def groundings(monkeypatch):
-    made, build = [], reactive_solver.ReactiveGrounding
-    monkeypatch.setattr(reactive_solver, "ReactiveGrounding", lambda *args: made.append(args) or build(*args))
-    return made
-
-
-def test_atom_visible_to_grounded_steps_causes_regrounding(groundings):
-    solver = ReactiveSolver(ReactiveProgram.from_text("#external moved/2. #cumulative t. go(D,t) :- moved(D,t)."))
-    solver.update(parse_update("#step 3. #endstep."))
-    assert "go(x,4)" in min(texts(solver.update(parse_update("#step 4. moved(x,4). #endstep."))))
-    assert len(groundings) == 1
-    assert "go(x,1)" in min(texts(solver.update(parse_update("moved(x,1). #endstep."))))
-    assert len(groundings) == 2
-
-
 def test_open_atom_is_visible_to_other_steps():
     rules = "a(t) :- s(D,t+1), d(D). b(t) :- s(D,t-1), d(D)."
     solver = ReactiveSolver(ReactiveProgram.from_text("#external s/2. d(l). #cumulative t. " + rules))
