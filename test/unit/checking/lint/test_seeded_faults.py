@@ -10,7 +10,7 @@ from workloads import sized
 from rosoclingo.checking.lint.kinds import KINDS
 from rosoclingo.oclingo.program.sources import Source
 
-RULES, FAULTS = "delivery/rules.lp", "delivery/faults.lp"
+RULES = "delivery/rules.lp"
 
 #: Program, file, old text, new text (@ marks the place of the finding), kind, words of the finding.
 SEEDS = [
@@ -78,55 +78,20 @@ SEEDS = [
     ),
     # looks back
     ("paper", "paper.lp", "done(pickup,Id,t).", "@_action_lib(pickup,Id,_), busy(t).", "history", "t-T < 60"),
-    (
-        "battery",
-        "battery.lp",
-        "#program cumulative(t).",
-        "all(W,I) :- @_request(do(W,I),C).\n#program cumulative(t).",
-        "history",
-        "base",
-    ),
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
     # exchanged names and arguments
     ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "did you mean P?"),
     ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "did you mean V?"),
-    ("garden", "garden.lp", "done(water,P,t).", "done(P,@water,t).", "no-match", "with water as argument 2"),
     # punctuation that changes the statement
     ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "did you mean a dot?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "did you mean ':-'?"),
-    ("paper", "paper.lp", "at(L,t-1), not moved(t).", "at(L,t-1)@. not moved(t).", "mark", "did you mean a comma?"),
     ("battery", "battery.lp", "t) : asked(W,I,t), W", "t); @asked(W,I,t), W", "syntax", "unexpected"),
     ("paper", "paper.lp", "cancel(Id),t).\nwaiting", "cancel(Id),t)@,\nwaiting", "syntax", "a comma stands where a"),
-    ("garden", "garden.lp", "failed(t)       :- failed(A,P,V,t).", "failed(t) :- failed(A,P,V,t)@", "syntax", "a dot"),
     # constants and variables that occur once
     ("garden", "garden.lp", "place(home).", "place(@hoem).", "misspelt", "did you mean home?"),
-    (
-        "paper",
-        "paper.lp",
-        "aboard(Id,From,To,t), cancelled",
-        "aboard(Id,From,@Too,t), cancelled",
-        "misspelt",
-        "did you mean To",
-    ),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "_request(@cancel(me,Id),t).\nc", "misspelt", "cancel(Id)"),
     # swapped arguments, mismatched steps
-    (
-        "paper",
-        "paper.lp",
-        "aboard(Id,From,To,t)  :- w",
-        "@aboard(Id,To,From,t)  :- w",
-        "exchanged",
-        "the other way round",
-    ),
     ("paper", "paper.lp", "_request(cancel(Id),t).\nc", "@_request(t,cancel(Id)).\nc", "exchanged", "as argument 2"),
-    (
-        "paper",
-        "paper.lp",
-        "_action_lib(pickup,Id,t)   :",
-        "_action_lib(Id,@pickup,t)   :",
-        "exchanged",
-        "as argument 1",
-    ),
     ("paper", "paper.lp", "_return(A,V,t), V", "@_return(A,V,t-1), V", "other-step", "the same cycle"),
     ("paper", "paper.lp", "_action_lib(move_base,B,t)", "@_action_lib(move_base,B,t-1)", "other-step", "write t for"),
     ("paper", "paper.lp", "\n:- waiting(Id,From,To,t).", "\n:- waiting(Id,From,To,t-1).", "other-step", "last step"),
@@ -134,14 +99,6 @@ SEEDS = [
     # atoms exchanged with the core
     ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
     ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never receives it"),
-    (
-        "garden",
-        "garden.lp",
-        "_request(cancel(P),t).\nbusy",
-        "_request(@cancle(P),t).\nbusy",
-        "misspelt",
-        "did you mean cancel(...)",
-    ),
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
     ("template", "@NAME@.lp", '_says("visit(', '_says(@"visits(', "idle-words", "rules ask for visit(P)"),
     ("template", "@NAME@.lp", '"Visit the {Place}"', '@"Visit the {Room}"', "idle-words", "has no variable Room"),
@@ -190,14 +147,6 @@ SEEDS = [
         "nothing satisfies its body",
     ),
     (
-        "paper",
-        "paper.lp",
-        "#external _return/3.",
-        "#external _return/3. @#external _cancel/3.",
-        "unused",
-        "write a rule",
-    ),
-    (
         "two_arms",
         "two_arms.lp",
         "_action_lib(A,P,t) :-",
@@ -217,37 +166,18 @@ SEEDS = [
     ("bound", "bound.lp", ":- not c(t).", ":- not c(t), @query(t).", "undefined", "clingo's incmode"),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- w(t-1).\n@#const imax = 20.", "incmode", "~horizon_limit"),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @'w(t-1).", "undefined", "in telingo 'w is w 1 step before"),
-    (
-        "lift",
-        "lift.lp",
-        "open(F,t) :- call(F,t).",
-        "open(F,t) :- call(F,t).\n@open'(F,t) :- up(t), call(F,t).",
-        "misspelt",
-        "in telingo open' is open at the next step",
-    ),
     ("paper", "paper.lp", "#program base.", "@#program initial.", "unknown-part", "telingo's part"),
     ("paper", "paper.lp", "#program cumulative(t).", "@#program step(t).", "unknown-part", "#program cumulative(t)."),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#include <incmode>.", "not-interpreted", "#include <incmode>"),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh(@@top(5)).", "not-interpreted", "no script defines @top"),
-    ("lift", "lift.lp", "at(0,0).", "at(0,0).\n@#script (lua)\nx = 1\n#end.", "syntax", "scripts are not executed"),
-    (
-        "lift",
-        "lift.lp",
-        "at(0,0).",
-        "at(0,0).\n#theory l { t { - : 0, unary }; &sum/0 : t, {<=}, t, any }.\n@&sum { 1 } <= 3.",
-        "not-interpreted",
-        "&sum",
-    ),
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\n:- @&final.", "syntax", "no #theory defines the theory atom &final"),
     # constants, and messages of clingo
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "did you mean capacity?"),
-    ("mailbot", FAULTS, "N >= tries.\n\n%!", "N >= @tires.\n\n%!", "misspelt", "did you mean tries?"),
     ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
     ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
     ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
     ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
-    ("paper", "paper.lp", "#program base.", "@#program bse.", "unknown-part", "base, cumulative(t) and volatile(t)"),
     ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "did you mean history?"),
 ]
 

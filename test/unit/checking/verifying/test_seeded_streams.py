@@ -3,15 +3,12 @@
 from functools import lru_cache
 
 import pytest
-from clingo import Function
 from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
 from verified_programs import CARRIES, ECHO, MACHINES, VISITS, edited, more, play
 
-from rosoclingo.checking.verifying.moves import Moves, Repertory
 from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
-from rosoclingo.reasoning.keywords import Action
 
 FAILED = "failed(P,t) :- _action_lib(go,P,t), _return(go,V,t), V != P."
 NO_ANSWER, NEVER_ENDED, TAKEN = DefectKind.NO_ANSWER, DefectKind.NEVER_ENDED, DefectKind.FAILURE_AS_SUCCESS
@@ -156,14 +153,6 @@ def test_core_shows_the_defects_of_verify(name):
     program, verdict = found(name)
     for one in verdict.defects:
         assert shows(one.kind, play(program, one.way, 8), one)
-
-
-def test_moves_fail_a_parameter_named_like_a_reason():
-    moves = Moves(ReactiveProgram.from_text("#external _return/3."), Repertory((), (), {}), VerifyLimits())
-    actions = [Action(Function("go"), Function(place), 1) for place in ("failed", "den")]
-    for under_way, values in ((actions[:1], {"failed(failed)"}), (actions, {"failed(failed)", "failed(failed,den)"})):
-        tried = [answer for move in moves.moves(under_way, [], 2, True, 1) for answer in move.failures]
-        assert {str(answer.value) for answer in tried} == values
 
 
 @pytest.mark.sampled(1)

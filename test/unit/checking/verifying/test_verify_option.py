@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from verified_programs import VISITS, edited, more
+from verified_programs import VISITS, more
 
 from rosoclingo.checking.check_command import main
 from rosoclingo.checking.oclingo_command import main as oclingo
@@ -97,9 +97,3 @@ def test_verify_option_rejects_wrong_events(ask, options, text):
     code, printed = ask(VISITS, "--verify", *options)
     assert code == 2
     assert text in printed.err
-
-
-def test_verify_option_requires_goals(ask):
-    code, printed = ask(edited(VISITS, ("#external _request/2. ", "#defined _request/2. ")), "--verify")
-    assert code == 2
-    assert "takes no goals" in printed.err
