@@ -16,6 +16,7 @@ from workloads import sized
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom
 from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Statement
 from rosoclingo.planning import grounding
+from rosoclingo.planning.compaction import SHOWN_STEPS
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
@@ -157,10 +158,11 @@ def test_compaction_shows_atoms_of_ten_steps_once():
     solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
     shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)
     assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"], "base atoms are not kept"
-    for step in range(9, 17):
+    for step in range(9, 21):
         result = play(solver, f"#step {step} : 0. #over {step}. e({step}).")
-    assert first(solver) == 16
-    assert [one for one in atoms(result) if one[0] == "c"] == sorted(f"c({step})" for step in range(9, 17))
+    assert first(solver) == 20
+    shown = sorted(f"c({step})" for step in range(19 - SHOWN_STEPS, 21))
+    assert [one for one in atoms(result) if one[0] == "c"] == shown
     assert "late(4)" not in atoms(result)
 
 

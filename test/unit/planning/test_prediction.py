@@ -100,6 +100,7 @@ AS_PLANNED = "#closed 1. :- not _action_lib(go,1,1). _return(go,1,1)."
         (f"#step 2. {AS_PLANNED}", True),
         ("#step 2. #closed 1. :- not _action_lib(go,1,1).", True),
         (AS_PLANNED, False),
+        ("#step 2. :- not _action_lib(go,1,1). _return(go,1,1).", False),
         ("#step 2. #closed 0..1. :- not _action_lib(go,1,1). _return(go,1,1).", False),
         ("#step 2. #closed 1. :- not _action_lib(go,1,1). _return(go,no,1).", False),
         (f"#step 2. {AS_PLANNED} :- not _action_lib(go,2,2).", False),

@@ -68,6 +68,7 @@ CYCLES = {
     "goal without actions is judged in the cycle of its request": (AT_ONCE, {}, """
         goal a told(1); goal b asked(2); all a active succeeded
         says b no rule of the program can see asked(2): rules match told(I)"""),
+    "core waits for a goal without actions": (UNDER_WAY, {}, "goal a told(1); all a active; does; cycle 2"),
     "program that rejects a goal hears of it with the next update": (UNDER_WAY.replace("accepted", "rejected"), {}, """
         goal a told(1); all a rejected; facts _seen(ball); sends _request(cancel(1),2). _seen(ball)."""),
     "actions of a cycle are sent and awaited together": (ARMS, {}, """

@@ -94,6 +94,18 @@ def test_core_ends_all_goals_if_solver_accepts_nothing():
     )
 
 
+def test_core_defers_kept_plan_by_its_idle_cycles():
+    driver = FaultyDriver()
+    for number in (1, 2, 3):
+        driver.core.add_goal(str(number), f"do(walk,{number})")
+    first, one, last = (str(action.parameter) for action in driver.run().core.plan.actions)
+    play(driver, f"leave 1; hear interface _return(walk,{first},1) _seen(ball); once; cycle 2")
+    assert driver.core.plan.actions == (), "the search was left"
+    play(driver, f"fault undecided unless #volatile; run; does walk,{one},3")
+    later = [str(action.atom) for action in driver.core.plan.remaining(3)]
+    assert later == [f"_action_lib(walk,{one},3)", f"_action_lib(walk,{last},4)"]
+
+
 def test_core_restarted_program_has_only_new_goals():
     driver = play(
         Driver(IMPOSSIBLE),

@@ -318,6 +318,18 @@ def test_goals_join_without_a_search_for_the_next_action(row):
 
 
 @pytest.mark.slow
+def test_next_cycle_for_joining_is_nearer_after_success():
+    run = perform(JoiningRun(delay=3), "goals 1-4 4-1 1-4; goals 2-3; until 4; delay 0")
+    cycles = []
+    for number in range(5, 8):
+        cycle = run.core.cycle
+        perform(run, f"goals 2-3; until {number}")
+        cycles.append(run.core.cycle - cycle)
+    assert cycles[0] > cycles[1] > cycles[2] == 1
+    run.finish()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
 def test_new_goals_join_next_update_without_wait_limit(limits):
     """There is no limit of the wait with shortest plans, or without a standby worker."""

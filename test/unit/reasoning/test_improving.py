@@ -3,7 +3,7 @@
 from functools import partial
 
 import pytest
-from core_driver import Driver
+from core_driver import Driver, Leaving
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import GoalProgress, PlanMade
@@ -83,3 +83,14 @@ def test_core_asks_nothing_if_no_improvement_is_left(driver):
     assert not driver.core.improve(lambda: pytest.fail("asked again"))
     driver.finish()
     assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
+
+
+def test_core_does_not_improve_while_nothing_runs():
+    watch = Leaving()
+    driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")
+    driver.core.receive("interface", [f"_return(do,1,{driver.core.cycle})"])
+    watch.number = 1
+    assert driver.core.advance(1.0)
+    assert driver.core.awaited == (), "the search was left"
+    assert not driver.core.improve(lambda: pytest.fail("asked"))
+    assert driver.run().core.improve(lambda: True)

@@ -69,9 +69,9 @@ class Feeder(InputFeeder):
 #: The clock, and the script.
 UPDATES = {
     "commitments, requests, facts": (None, """
-        facts _return(a,x,4); cancel 1; facts _seen(ball); goal goal(c,d,2); done a,x,4 b,y,4
+        facts _return(b,y,4); cancel 1; facts _seen(ball) _return(a,x,4); goal goal(c,d,2); done a,x,4 b,y,4
         next 5 :- not _action_lib(a,x,4). :- not _action_lib(b,y,4). _request(cancel(1),5). _request(goal(c,d,2),6). """
-        "_return(a,x,4). _seen(ball)."),
+        "_return(a,x,4). _seen(ball). _return(b,y,4)."),
     "failure stays where it came": (None, """
         done a,x,4 b,y,4; facts _return(b,y,4) _seen(ball) _return(a,no,4)
         next 5 :- not _action_lib(a,x,4). :- not _action_lib(b,y,4). _return(b,y,4). _seen(ball). _return(a,no,4)."""),
