@@ -1,16 +1,8 @@
 """Plays the stream that a core published to a separate solver, and compares."""
 
-from rosoclingo.oclingo import parse_updates
-from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, Problem, UpdateSent
 from rosoclingo.runs.recorded_run import RunCollector
 from rosoclingo.runs.replay import AGREEING, CycleVerdict, Replay
-
-
-def replayed(program, stream):
-    """Return the results of all updates of ``stream``."""
-    solver = PlanSolver(program)
-    return [solver.update(update) for update in parse_updates(stream)]
 
 
 def recorded(journal):

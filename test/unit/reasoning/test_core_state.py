@@ -100,14 +100,6 @@ def test_core_state_shows_a_problem_for_a_while():
     assert (level, message, values["problems"], values["last error"]) == (OK, "idle", 1, "cycle 4: all is lost")
 
 
-def test_core_state_shows_both_ends_of_long_problem():
-    throttle = LogThrottle()
-    line = throttle.take(Problem(1, f"'seen({'9' * 100_000})' is ignored: it makes no sense", "eye"), 0.0)
-    assert len(line) < 1000
-    assert line.startswith("cycle 1: 'seen(999")
-    assert "it makes no sense (" in line
-
-
 def test_log_throttle_distinguishes_a_bounded_number_of_interfaces():
     throttle = LogThrottle()
     lines = [throttle.take(Problem(1, "'x(' is ignored", f"eye{'x' * number}"), 0.0) for number in range(3000)]

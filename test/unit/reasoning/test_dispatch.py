@@ -47,8 +47,6 @@ class Actions:
 
 #: The actions, and the events.
 RETURNS = {
-    "each returns": ("drive,a arm,b", "back arm,b; missing drive,a; back drive,failed; missing"),
-    "stray one": ("drive,a", "stray arm,a no action of 'arm'; missing drive,a"),
     "twice the same": ("drive,a drive,b", "back drive,a; stray drive,a returned already; missing drive,b"),
     "failure that names no action": ("drive,a drive,b", """
         back drive,(f,c); failures drive,(f,c):a:b; back drive,failed; missing"""),
@@ -58,7 +56,6 @@ RETURNS = {
     "failure is about any action that no other return names": ("drive,a drive,b drive,c", """
         back drive,failed; failures drive,failed:a:b:c; back drive,b drive,failed(c); missing
         failures drive,failed(c):c drive,failed:a"""),
-    "success is not a failure": ("drive,f(a) drive,a", "back drive,f(a); missing drive,a; failures"),
     "time-outs of a place named timeout": ("drive,timeout drive,a drive,b arm,c", """
         back drive,a; expire timeout:failed(timeout) b:failed(timeout,b) c:timeout; missing
         failures drive,failed(timeout):timeout drive,failed(timeout,b):b arm,timeout:c"""),

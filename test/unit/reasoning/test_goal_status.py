@@ -25,15 +25,6 @@ def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=Fals
     return goal
 
 
-def test_goal_status_plan_is_ordered_by_cycle():
-    plan = extract_plan(answer("_action_lib(b,x,2)", "_action_lib(a,x,10)", "_action_lib(a,x,2)", "_other(1)"))
-    texts = [str(action.atom) for action in plan.actions]
-    assert texts == ["_action_lib(a,x,2)", "_action_lib(b,x,2)", "_action_lib(a,x,10)"]
-    assert len(plan.at(2)) == 2
-    assert len(plan.after(2)) == 1
-    assert len(plan.remaining(2)) == 3
-
-
 def test_goal_status_malformed_action_is_a_fault():
     plan = extract_plan(answer("_action_lib(a,x)", "_action_lib(a,x,soon)", "_action_lib(a,x,1)"))
     assert len(plan.actions) == 1
@@ -71,24 +62,11 @@ def test_goal_status_end_counts_in_cycle_without_answer(word, cycle, ends):
     assert judged(*atoms, cycle=6, since=cycle + 1).live
 
 
-def test_goal_status_first_of_missed_ends_counts():
-    atoms = "_status(1,aborted(tired),4)", "_status(1,succeeded,5)", "_status(1,canceled,6)"
-    assert judged(*atoms, cycle=6, since=1).message == "the program aborts go(1): tired"
-
-
 def test_goal_status_worse_of_two_statuses_counts():
     for worse, better in combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2):
         statuses = GoalStatuses(answer(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z,x),2)"))
         assert statuses.read(parse_term("1"), 2) == Status(worse, "z, x")
         assert statuses.read(parse_term("1"), 3) is statuses.read(parse_term("2"), 2) is None
-
-
-@pytest.mark.parametrize(
-    ("cycle", "cancelling", "state"),
-    [(5, False, "active"), (4, False, "succeeded"), (5, True, "preempting"), (4, True, "preempted")],
-)
-def test_goal_status_without_statuses_ends_with_empty_plan(cycle, cancelling, state):
-    assert judged(f"_action_lib(a,x,{cycle})", cancelling=cancelling).state.value == state
 
 
 @pytest.mark.parametrize(

@@ -78,13 +78,6 @@ def test_core_stops_improving_on_arrival_and_resumes_later(driver):
     assert driver.core.improve(lambda: True)
 
 
-def test_core_asks_nothing_if_no_improvement_is_left(driver):
-    improve(driver)
-    assert not driver.core.improve(lambda: pytest.fail("asked again"))
-    driver.finish()
-    assert not driver.core.improve(lambda: pytest.fail("nothing runs"))
-
-
 def test_core_does_not_improve_while_nothing_runs():
     watch = Leaving()
     driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")

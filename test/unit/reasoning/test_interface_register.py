@@ -41,10 +41,6 @@ def test_register_removes_interfaces_with_their_node():
     assert found.names == ["move_base"]
 
 
-def test_register_ignores_node_that_does_not_receive_actions():
-    assert [one[0] for one in looked(register(a="move_base", b="hold"), [HOLD], {"/a", "/recorder"})] == [HOLD]
-
-
 def test_register_reports_that_nobody_listens():
     text = "no interface 'hold' for _action_lib(hold,cup,3): no node subscribes to out_rosoclingo"
     assert looked(register(), [HOLD], frozenset(), frozenset()) == [(HOLD, text, True)]

@@ -4,7 +4,7 @@ import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
 from lint_programs import block
-from team_programs import FREE, TEAM
+from team_programs import FREE, LATER, TEAM
 
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -72,6 +72,14 @@ def test_long_actions_wait_in_programs_without_running():
         """add a job(saw,1); goal b job(drill,2); facts _return(saw,1,1); cycle 1; does drill,2,1; goal c job(saw,3)
         facts _return(drill,2,1); cycle 2; does saw,3,2; unsent ..._running...
         sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _request(job(saw,3),3). ...""",
+    )
+
+
+def test_long_actions_let_later_requests_in_at_once():
+    play(
+        Driver(LATER),
+        """goal a job(saw,1); does saw,1,2; goal b job(drill,2); does saw,1,2 drill,2,4; cycle 4
+        sent ..._running(saw,1,2). _request(job(drill,2),4).; sends :- not _action_lib(saw,1,3). _running(saw,1,3).""",
     )
 
 

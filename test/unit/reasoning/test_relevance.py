@@ -105,11 +105,6 @@ def test_relevance_suggests_form_with_missing_argument():
         (["paper.lp"], ["goal(office3,office2,1)", 'goal(office3,office2,"mail")', "cancel(1)"], ["goal(1)"]),
         (["mailbot.lp", "office.lp"], ["goal(office3,office2,1)", "goal(office9,office2,1)"], ["gaol(a,b,1)"]),
         (["house.lp", "home.lp"], ["bring(bedroom,cup)", "bring(attic,cup)", 'bring(bedroom,"cup")'], ["bring(cup)"]),
-        (
-            ["golog.lp", "mailbot.lp", "office.lp", "golog/delivery.lp", "golog/mailbot_day.golog"],
-            ["run(day,1)", "run(day)", "run(nothing)", "goal(office1,office2,1)"],
-            ["rnu(day)", "day"],
-        ),
     ],
     ids=lambda value: value[0] if isinstance(value, list) else None,
 )

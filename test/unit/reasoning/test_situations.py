@@ -1,4 +1,4 @@
-"""The table of the core's attempts in each situation: every row is reached, and the last of each situation applies."""
+"""The table of the core's attempts in each situation: every row is reached."""
 
 from itertools import groupby
 from pathlib import Path
@@ -76,8 +76,8 @@ WAYS = {
 ROWS = [(situation, number) for situation in WAYS for number in range(len(WAYS[situation]))]
 
 
-def record(monkeypatch, only_last_of=None):
-    """Record the rows that apply; all but the last of a situation can be omitted."""
+def record(monkeypatch):
+    """Record the rows that apply."""
     used = []
 
     def recording(row, place):
@@ -90,10 +90,8 @@ def record(monkeypatch, only_last_of=None):
         return row._replace(step=step)
 
     places = [(row.situation, number) for row, number in numbered(Core.responses)]
-    last = dict(places)
     rows = [recording(row, place) for row, place in zip(Core.responses, places)]
-    kept = [row for row, (one, number) in zip(rows, places) if one is not only_last_of or number == last[one]]
-    monkeypatch.setattr(Core, "responses", tuple(kept))
+    monkeypatch.setattr(Core, "responses", tuple(rows))
     return used
 
 
@@ -118,15 +116,6 @@ def test_situation_table_rows_are_all_reached(monkeypatch, situation, number):
     if isinstance(driver, FaultyDriver):
         play(driver, "fault none; wait 100")
     assert driver.finish().core.live_goals == []
-
-
-@pytest.mark.parametrize("situation", list(WAYS))
-def test_situation_table_last_row_always_applies(monkeypatch, situation):
-    for way in WAYS[situation]:
-        with monkeypatch.context() as patch:
-            used = record(patch, only_last_of=situation)
-            way()
-            assert (situation, len(WAYS[situation]) - 1) in used
 
 
 def test_situation_table_matches_the_document():

@@ -7,7 +7,6 @@ from core_scripts import play
 from stream_replay import check_replay
 
 from rosoclingo.reasoning.events import StateChanged
-from rosoclingo.reasoning.settings import CoreSettings
 
 UNHEARD, CONTRADICTS = "which no rule of the program uses", "which contradicts the program"
 
@@ -48,16 +47,6 @@ def test_failed_only_action_aborts_its_goal(program, name):
     assert driver.awaited
     play(driver, "finish; is b succeeded; goal c fetch(mug,3); finish; is c succeeded")
     check_replay(driver.program, driver.journal)
-
-
-@pytest.mark.sampled(4)
-def test_action_that_never_returns_has_failed(program, name):
-    play(
-        Driver(program, CoreSettings(horizon_limit=8, action_timeout=10.0)),
-        f"""
-        goal a fetch(cup,1); wait 19; facts _return(arm,cup,1); finish
-        says a ... since arm(cup) returned timeout in cycle 1, {UNHANDLED[name][1]}""",
-    )
 
 
 #: The programs, and the searches after which one can stop: three if no rule looks at the failure.
