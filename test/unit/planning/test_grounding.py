@@ -33,33 +33,6 @@ def test_stopped_grounding_ends_between_two_pieces():
 # ---- Horizons --------------------------------------------------------------------------------------------------------
 
 
-def ending(rules, last, settled=1):
-    """Return a grounding whose answers show their horizon and their actions."""
-    text = f"{rules} #program volatile(t). end(t). #show end/1. #show _action_lib/3."
-    return grounding_of(text, last, horizon=last, min_horizon=settled)
-
-
-def answers(grounding, first, last):
-    found = ask(grounding, first, last, models=0)
-    assert not found.answers or f"end({found.horizon})" in map(str, found.answers[-1]) or first == 0
-    return sorted(" ".join(sorted(map(str, answer))) for answer in found.answers)
-
-
-@pytest.mark.parametrize(
-    ("settled", "first", "last", "ends"),
-    [
-        (1, 1, 1, [1]),
-        (1, 1, 4, [1, 2, 3, 4]),
-        (3, 3, 5, [3, 4, 5]),
-        (0, 0, 2, ["", 1, 2]),
-    ],
-)
-def test_horizons_lie_in_the_range_of_the_question(settled, first, last, ends):
-    """They begin at the ``settled`` step, and no volatile rule holds before the first step."""
-    found = answers(ending("{ a(t) }. :- a(t).", 5, settled), first, last)
-    assert found == [end and f"end({end})" for end in ends]
-
-
 # ---- Questions -------------------------------------------------------------------------------------------------------
 
 #: Eleven pigeons and ten holes.
@@ -96,14 +69,3 @@ def test_solvers_obey_heuristics_of_the_program(advice, chosen, kind):
     assert solver.program.advises
     (answer,) = play(solver, "#step 2.").answers
     assert {str(one.arguments[0]) for one in answer if one.arguments[1].number == 2} == set(chosen)
-
-
-def test_program_knows_its_heuristics_and_their_undefined_atoms():
-    plain, advising = (
-        ReactiveProgram.from_text(f"#program cumulative(t). {{ a(t) }}. {advice} #program volatile(t).")
-        for advice in ("", "#heuristic b(t) : c(t). [1,true]")
-    )
-    assert (plain.advises, advising.advises) == (False, True)
-    assert not any("heuristic" in one for one in plain.arguments())
-    assert not advising.defines("b", 1)
-    assert all(f"defines {name}/1" in " ".join(advising.warnings) for name in "bc")

@@ -10,8 +10,7 @@ from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, StreamUpdate, commitment, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Volatile
-from rosoclingo.planning.history import History, Plan, cycle_of
-from rosoclingo.planning.prediction import success_of
+from rosoclingo.planning.history import History
 from rosoclingo.planning.solver import PlanSolver
 
 #: Rules about returns, some of which affect answers.
@@ -174,18 +173,3 @@ def test_returns_are_predicted_that_change_no_answer(rule, returns, certain):
 def test_returns_are_predicted_for_single_plain_answers(text, options, items, returns):
     result = asked(solver_of(text + FAILS, **options), items)
     assert result.predicted == {parse_atom(f"_return(go,{place},{place})") for place in returns}
-
-
-def test_improved_plan_predicts_uncertain_returns_too(searches):
-    solver = solver_of(LINE + FAR)
-    assert len(asked(solver).predicted) == 1
-    plan = solver.log.plan
-    last = max(plan.actions, key=cycle_of)
-    solver.restore(solver.log.adopt(Plan(plan.actions - {last} | {parse_atom("_action_lib(go,3,5)")}, 5)))
-    better = solver.improve()
-    assert Plan.from_result(better).actions == plan.actions
-    assert better.predicted == {success_of(action) for action in plan.actions}
-    searches.clear()
-    result = solver.update(next_update(solver))
-    assert (result.answers, result.shortest) == (better.answers, False)
-    assert searches == []

@@ -54,13 +54,6 @@ def test_reordered_returns_none_for_a_single_order(acts):
     assert candidate(plan_of(acts)) is None
 
 
-def test_reordered_requires_one_action_per_step():
-    plan = plan_of(TO_AND_FRO)
-    assert candidate(plan._replace(actions=plan.actions | {parse_atom("_action_lib(sing,song,5)")}), 1) is None
-    past = plan._replace(actions=plan.actions | {parse_atom("_action_lib(sing,song,1)")})
-    assert candidate(past, 1) is not None
-
-
 def do(office, acts):
     """Execute acts in an office; AssertionError if one is impossible."""
     for act in acts:

@@ -1,10 +1,13 @@
 """The search for a first plan: its questions, and the time for better plans (see also test_walks.py)."""
 
+from itertools import count
+
 import pytest
 from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
-from stream_play import adopt
+from plain_walk import program_text
+from stream_play import adopt, processor_clock
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.history import Plan, cycle_of
@@ -53,6 +56,20 @@ def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
 
 
 # ---- In the solver ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("news", ["", "_request(0,2)."])
+def test_soon_does_not_shorten_predicted_plans(news, searches):
+    ticks = count(0.0)
+    solver = PlanSolver(ReactiveProgram.from_text(program_text()), plan_time=1.0)
+    with processor_clock(lambda: next(ticks)):
+        first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
+    (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
+    assert not first.shortest
+    searches.clear()
+    with processor_clock(lambda: 2.0):
+        result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
+    assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
 CARTS = """

@@ -49,7 +49,3 @@ def test_trimmed_removes_only_idle_steps_with_heuristics():
 def test_trimmed_removes_superfluous_actions_of_several_robots():
     assert trim(3, (1, 2, 3), (1, 3), advises=True, several=True)[0] == [1, 3]
     assert trim(3, (1, 2, 3), advises=True, several=True)[2] == "1..3/1000?"
-
-
-def test_trimmed_asks_once_if_nothing_is_superfluous():
-    assert trim(3, (1, 2, 3))[2] == "1..3/1000"

@@ -121,27 +121,6 @@ def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
 
 
 @pytest.mark.slow
-def test_improved_plan_causes_prefetching_once_more(here):
-    """The search after a failure starts from the improved plan."""
-    with pool_of(plan_time=0.0, standby=True) as pool:
-        solver = ProcessSolver(pool)
-        best = here.log.plan
-        solver.update(ASK)
-        (go,) = (action for action in best.actions if cycle_of(action) == 1)
-        idle = parse_atom("_action_lib(rest,now,2)")
-        worse = Plan(frozenset({go, idle, *best.rest(2).delayed().actions}), best.horizon + 1)
-        for plan in (worse, best):
-            solver.restore(solver.log.adopt(plan))
-            assert solver.prefetch(FAILED)
-            wait_until_prepared(pool)
-        standby = pool.standby_pid
-        result = solver.update(FAILED)
-        assert pool.pid == standby
-        assert solver.log.plan == Plan.from_result(result)
-        assert result.horizon == best.horizon + 1
-
-
-@pytest.mark.slow
 def test_prefetched_update_is_refused_when_it_comes():
     with pool_of(horizon_limit=3, standby=True) as pool:
         solver = ProcessSolver(pool)
