@@ -3,7 +3,6 @@
 import pytest
 
 from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
-from rosoclingo.oclingo.gringo3.lexer import statements, tokens
 
 GRINGO3 = [
     "{ a, b }.",
@@ -117,16 +116,6 @@ def test_ambiguous_statement_follows_the_rest_of_its_file(more, gringo3):
     assert (AS_GRINGO3 if gringo3 else CONFLICTING) in result.text
 
 
-def test_translate_handles_both_languages_in_one_file():
-    text = "{ a : b : c }.\nx :- a : b, c; d.\n{ e, f }.\n:- a : b, c.\n#cumulative t.\n"
-    assert translate(text, "x.lp").text.splitlines()[:4] == [
-        "{ a : b, c }.",
-        "x :- a : b, c; d.",
-        "{ e; f }.",
-        ":- a : b; c.",
-    ]
-
-
 def test_translate_converts_gringo_3_statements_in_any_file():
     text = "#program base.\nx :- a; b.\nf(1). #domain f(X).\nq(X) :- g, X := 1.\n#hide x/0.\n:- a : b, c.\n"
     lines = translate(text, "x.lp").text.splitlines()
@@ -164,20 +153,3 @@ def test_translation_with_ambiguous_text_names_its_dialect():
     once = translate("#cumulative t.\n{ a : b : c }.", "x.lp").text
     assert once == "#cumulative t.\n{ a : b, c }.\n% dialect: clingo 5\n"
     assert translate(once, "x.lp", Dialect.GRINGO3).text == once
-
-
-@pytest.mark.parametrize(
-    ("text", "count"),
-    [
-        ("{ a }. [ b = 1 ] 1. c.", 3),
-        ("#external e. [ b = 1 ] 1.", 2),
-        ("#external e. [ b ] 1.", 2),
-        (":~ a. [ b : c ] 1 :- a.", 2),
-        (":~ a. <1> [ b ] 1.", 2),
-        ("#external e. % one\n[true] %* two *% 1 { a; b } 1.", 2),
-        ("#heuristic a : b. [1, sign] c.", 2),
-        ('p("a. [ b ]"). [ a = 1 ].', 2),
-    ],
-)
-def test_brackets_after_a_dot_are_weights_or_statements(text, count):
-    assert len(list(statements(tokens(text)))) == count

@@ -3,30 +3,12 @@
 import pytest
 
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
-from rosoclingo.oclingo.program.first_steps import suspicious_heads
 
 
 def faults(text):
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram.from_text(text, "p.lp")
     return [str(fault) for fault in caught.value.faults]
-
-
-@pytest.mark.parametrize(
-    ("rules", "suspects"),
-    [
-        ("{ c(X,t+1) } :- d(X). c(a,t+1).", ""),
-        ("c(a,t). c(b,t-1).", "c/2"),
-        ("{ c(X) } :- d(X), t = 1.", "c/1"),
-        ("c :- t = 1. -c :- t = 2.", "-c/0 c/0"),
-        ("c(t). #program volatile(s). c(s+1) :- s > 9.", "c/1"),
-        ("c(t). #program base. c(0).", "c/1"),
-        ("c(t). #external c(t+1). #external e.", ""),
-    ],
-)
-def test_suspicious_heads_are_those_of_several_steps(rules, suspects):
-    program = ReactiveProgram.from_text(f"{{ d(1..2) ; e }}. #program cumulative(t). {rules} #program volatile(t).")
-    assert " ".join(sorted(map(str, suspicious_heads(program.parts, {})))) == suspects
 
 
 @pytest.mark.parametrize(

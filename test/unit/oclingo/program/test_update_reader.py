@@ -3,9 +3,8 @@
 import pytest
 from stream_play import atoms, planner_of, play
 
-from rosoclingo.oclingo import ReactiveProgram, StreamUpdate, commitment, fact, parse_atom, parse_update
-from rosoclingo.oclingo.program.update_reader import reports_only_success, with_failures, with_their_failures
-from rosoclingo.oclingo.progression.updates import CloseCycles, Cumulative, Expire, Volatile, Withdraw
+from rosoclingo.oclingo import ReactiveProgram, parse_atom, parse_update
+from rosoclingo.oclingo.program.update_reader import with_failures, with_their_failures
 
 PROGRAM = """
 #program cumulative(t).
@@ -59,26 +58,3 @@ def test_returns_are_withdrawn_with_their_failures():
     assert atoms(play(solver, "#withdraw _return(go,b,1).")) == []
     facts = frozenset(map(parse_atom, ["_return(go,b,1)", "_seen(a,b,1)", "_return(go,b)"]))
     assert with_their_failures(facts) == facts | {parse_atom("_failed(go,b,1)")}
-
-
-COMMITMENT, RETURN, OTHER = (
-    commitment(parse_atom("_action_lib(go,x,1)")),
-    fact(parse_atom("_return(go,x,1)")),
-    "_seen(a)",
-)
-
-
-@pytest.mark.parametrize(
-    ("before", "items", "predicted"),
-    [
-        ([], [CloseCycles(1, 1), Expire(1), Cumulative(), COMMITMENT, RETURN], True),
-        ([COMMITMENT], [RETURN], True),
-        ([], [RETURN], False),
-        ([COMMITMENT], [fact(parse_atom("_return(go,failed,1)"))], False),
-        ([], [COMMITMENT, fact(parse_atom(OTHER))], False),
-        ([], [COMMITMENT, Withdraw(parse_atom(OTHER))], False),
-        ([], [COMMITMENT, Volatile()], False),
-    ],
-)
-def test_update_with_only_successes_needs_no_search(before, items, predicted):
-    assert reports_only_success(StreamUpdate(2, None, tuple(items)), before) is predicted

@@ -1,55 +1,15 @@
 """The wire protocol without sockets."""
 
-import clingo
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.oclingo import SolveOutcome, SolveResult, StreamUpdate
+from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.oclingo.service import protocol
-
-
-@pytest.mark.parametrize(
-    ("outcome", "answers", "warnings", "data"),
-    [
-        (SolveOutcome.SATISFIABLE, (["e(1)"], []), (), b"Step: 3\ne(1) \0Step: 3\n\0End of Step.\n\0"),
-        (SolveOutcome.SATISFIABLE, (['-q("a b")'],), (), b'Step: 3\n-q("a b") \0End of Step.\n\0'),
-        (SolveOutcome.UNSATISFIABLE, (), (), b"UNSAT at step 3\0"),
-        (SolveOutcome.INTERRUPTED, (), (), b"End of Step.\n\0"),
-        (
-            SolveOutcome.SATISFIABLE,
-            (["e"],),
-            ("one\n  two\n", "three"),
-            b"Warning: one; two\n\0Warning: three\n\0Step: 3\ne \0End of Step.\n\0",
-        ),
-    ],
-)
-def test_reply_has_warnings_answers_and_an_end(outcome, answers, warnings, data):
-    symbols = tuple(frozenset(map(clingo.parse_term, answer)) for answer in answers)
-    assert b"".join(protocol.reply(SolveResult(outcome, symbols, 3, 1, warnings))) == data
-
-
-def test_error_is_one_line_followed_by_input():
-    assert protocol.error("1:2: a\nb\0c") == b"Error: 1:2: a; b c\0Input:\n\0"
-
-
-def test_requests_accept_updates_up_to_the_first_error():
-    first, second, fault = protocol.requests(
-        "#step 1. #endstep.\n#step 2. #end step. e. f(X). #endstep. #step 3. #endstep."
-    )
-    assert (first, second) == (StreamUpdate(1), StreamUpdate(2))
-    assert (fault.line, fault.column) == (2, 26)
 
 
 def feed(buffer, data):
     """Add ``data`` to the buffer and return the messages that are complete."""
     return list(buffer.add(data))
-
-
-def test_requests_report_bytes_that_are_not_utf8():
-    (message,) = feed(protocol.MessageBuffer(), b"#step 1.\n\xc3\xa4 \xff#endstep.\0")
-    (fault,) = protocol.requests(message)
-    assert str(fault) == "2:3: not UTF-8: byte 0xff, invalid start byte"
 
 
 def test_long_message_is_dropped_once_up_to_its_end():

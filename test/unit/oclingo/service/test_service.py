@@ -1,6 +1,5 @@
 """The TCP service over real sockets."""
 
-import random
 import socket
 import struct
 
@@ -107,12 +106,6 @@ def test_invalid_update_is_an_error_without_disconnection(client, data, message)
     assert client.item() == "Input:\n"
 
 
-def test_service_answers_random_bytes_with_errors(client):
-    data = random.Random(1).getrandbits(8 * 100_000).to_bytes(100_000, "big")
-    client.socket.sendall(data + b"\0")
-    assert {client.reply().end for _ in range(data.count(0) + 1)} == {"error"}
-
-
 @pytest.mark.slow
 def test_refused_update_leaves_the_state_unchanged():
     with running(ECHO, horizon_limit=9) as found:
@@ -130,16 +123,6 @@ def test_client_killed_during_a_message_changes_nothing(echo, client):
         other.socket.sendall(text)
         kill(other)
     assert client.ask("#step 130. #endstep.").sets == before
-
-
-def test_complete_updates_of_disconnected_clients_are_accepted(echo):
-    other = echo.client()
-    other.send("#step 140. e(140). #endstep.")
-    other.close()
-    client, found = echo.client(), []
-    while "c(140)" not in found:
-        found = client.ask("#step 140 : 0. #endstep.").answers[0]
-    client.close()
 
 
 def test_client_that_stopped_sending_is_answered(echo):
@@ -233,20 +216,3 @@ def test_update_with_endless_grounding_is_dropped():
         assert "the time limit of 1 s was reached" in reply.text
         while client.ask("#step 1. #endstep.").sets != [["e(1)"]]:
             pass
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize(
-    ("bounded", "waiting", "orphaned", "expected"),
-    [
-        (False, True, False, service.GRACE),
-        (True, True, False, service.GRACE_BOUNDED),
-        (False, False, True, service.GRACE_ORPHANED),
-        (True, True, True, service.GRACE_BOUNDED),
-        (False, False, False, None),
-    ],
-)
-def test_searches_end_after_their_grace(bounded, waiting, orphaned, expected):
-    times = [tick / 10 for tick in range(200)]
-    ended = [time for time in times if service.reason_to_end(time, bounded, None, waiting, orphaned)]
-    assert ended[:1] == ([] if expected is None else [expected])

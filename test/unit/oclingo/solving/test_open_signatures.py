@@ -45,10 +45,3 @@ def test_regrounding_in_blocks_changes_no_answer(items):
     with mock.patch.object(reactive_solver, "BLOCK", 1):
         expected = play(updates)
     assert play(updates) == expected
-
-
-def test_open_atom_is_visible_to_other_steps():
-    rules = "a(t) :- s(D,t+1), d(D). b(t) :- s(D,t-1), d(D)."
-    solver = ReactiveSolver(ReactiveProgram.from_text("#external s/2. d(l). #cumulative t. " + rules))
-    solver.update(parse_update("#step 4. #endstep."))
-    assert {"a(1)", "b(3)"} <= min(texts(solver.update(parse_update("s(l,2). #endstep."))))

@@ -1,12 +1,10 @@
 """Sequences of updates of all kinds: answers and ignored heads, independent of the way of grounding."""
 
 import pytest
-from stream_logs import copied, cut, texts
 from stream_play import IGNORED, SOLVERS, atoms, check_answers, check_stream, drop_grounding, play, solver_of
 
 from rosoclingo.oclingo import ReactiveSolver, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.planning.solver import PlanSolver
 
 E = "#cumulative t. #external e(t). c(t) :- e(t). #volatile t."
 OPEN = "#external e/1. a(X) :- e(X). #cumulative t. b(X,t) :- e(X). #volatile t."
@@ -124,16 +122,6 @@ def test_closed_cycles_contain_committed_actions_up_to_now():
     assert (result.step, solver.horizon, len(result.answers)) == (2, 2, 4)
 
 
-def test_closed_cycle_keeps_its_executed_actions():
-    solver = solver_of("#cumulative t. { _action_lib(go,(x;y),t) }. #volatile t.", models=0)
-    play(solver, "#step 1.")
-    for _ in range(2):
-        answers = play(solver, "#step 2 : 0. #closed 1..1. :- not _action_lib(go,x,1).").answers
-        assert len(answers) == 4
-        assert not any(parse_atom("_action_lib(go,y,1)") in answer for answer in answers)
-        drop_grounding(solver)
-
-
 @SOLVERS
 def test_withdrawal_restores_facts_of_unsatisfiable_streams(kind):
     text = "{ a }. #cumulative t. #external e(t). { m(t) }. c(t) :- e(t). :- e(1). #volatile t. :- a. :- m(t)."
@@ -142,69 +130,6 @@ def test_withdrawal_restores_facts_of_unsatisfiable_streams(kind):
     result = play(solver, "#step 3 : 0. e(3). m(3).")
     assert (result.outcome, result.warnings) == (SolveOutcome.UNSATISFIABLE, (IGNORED.format("m(3)"),))
     assert {"c(3)", "e(3)"} <= set(atoms(play(solver, "#step 3 : 0. #withdraw e(1).")))
-
-
-@pytest.mark.parametrize("ahead", ["", "q(t) :- p(t+1)."])  # a body atom of the next step
-def test_reapply_reaches_the_horizon_of_a_search(ahead):
-    solver = solver_of(f"#cumulative t. p(t). {ahead} #volatile t. :- t < 5.")
-    update = parse_update("#step 1. #endstep.")
-    found = solver.update(update)
-    reader = ReactiveSolver(solver.program)
-    reader.reapply(update, solver.horizon)
-    assert reader.horizon == solver.horizon >= 5
-    assert atoms(reader.solve()) == atoms(found)
-
-
-ALWAYS, IF_A, NEVER = (
-    [["a", "r(x,2)", "w(x,2)"], ["r(x,2)", "w(x,2)"]],
-    [[], ["a", "r(x,2)", "w(x,2)"]],
-    [[], ["a"]],
-)
-
-
-@pytest.mark.sampled(10)
-@pytest.mark.parametrize(
-    ("update", "now", "later"),
-    [
-        ("r(x,2).", ALWAYS, ALWAYS),
-        ("r(x,2) :- a.", IF_A, IF_A),
-        ("r(x,2). r(x,2) :- a.", ALWAYS, ALWAYS),
-        ("r(x,2) :- y.", NEVER, NEVER),
-        ("#volatile. r(x,2).", ALWAYS, NEVER),
-        ("#volatile : 2. r(x,2).", ALWAYS, ALWAYS),
-        ("#volatile. r(x,2). #cumulative. r(x,2) :- a.", ALWAYS, IF_A),
-        ("#assert : z. r(x,2).", ALWAYS, ALWAYS),
-        ("#anew. r(x,2).", ALWAYS, ALWAYS),
-    ],
-)
-@pytest.mark.parametrize(("before", "rule"), [([], "w(X,t) :- r(X,t)."), (["#step 1."], "")])
-@SOLVERS
-def test_open_predicate_can_be_defined_in_any_section(kind, rule, before, update, now, later):
-    """Readers that reapply the updates, or restore the history, give the same answers."""
-    solver = solver_of(f"{{ a }}. #external r/2. #cumulative t. {rule} #volatile t.", kind, models=0)
-    if not rule:
-        now, later = ([[atom for atom in one if atom[0] != "w"] for one in answers] for answers in (now, later))
-    for text in (*before, f"#step 2. {update}"):
-        result = play(solver, text)
-    assert sorted(map(sorted, texts(result))) == now
-    assert not any("declared external" in warning for warning in result.warnings)
-    for one in (solver, *readers_of(solver, [*before, f"#step 2. {update}"])):
-        assert sorted(map(sorted, texts(one.solve()))) == now
-        assert sorted(map(sorted, texts(play(one, "#step 3.")))) == later
-
-
-def readers_of(solver, played):
-    """Return solvers that have accepted the ``played`` updates without a search."""
-    readers = [type(solver)(solver.program, models=0) for _ in range(2)]
-    if isinstance(solver, PlanSolver):
-        for reader, log in zip(readers, (copied(solver.log), cut(solver))):
-            reader.restore(log)
-        return readers
-    for text in played:
-        for reader in readers:
-            reader.reapply(parse_update(text + " #endstep."), solver.horizon)
-    drop_grounding(readers[1])
-    return readers
 
 
 def test_dropped_update_leaves_the_state_unchanged():
