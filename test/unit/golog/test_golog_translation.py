@@ -53,16 +53,6 @@ def test_translation_has_the_traces_of_the_interpreter(program, state, longest):
     check(program, state, longest)
 
 
-@pytest.mark.slow
-def test_long_sequences_are_complete():
-    """A long sequence is split into several terms, without losing actions."""
-    names = "acaccaacacac"
-    program = ("do", (names[-1],))
-    for name in reversed(names[:-1]):
-        program = ("seq", ("do", (name,)), program)
-    check(program, frozenset(), len(names))
-
-
 def some(condition):
     """Return the condition that some value of X satisfies a condition."""
     return ("some", "X", (1, 2), condition)

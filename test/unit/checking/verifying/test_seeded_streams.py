@@ -1,7 +1,5 @@
 """Seeded defects in small programs and foreign domains: found by the shortest run, and reproduced by a core."""
 
-from functools import lru_cache
-
 import pytest
 from foreign_programs import GRIPPER, LIFT, PATROL, SOUND, VACUUM
 from verified_programs import CARRIES, ECHO, MACHINES, VISITS, edited, more, play
@@ -104,7 +102,6 @@ ASKED = {"visit(P)": "visit(hall) visit(den)", "bring(X)": "bring(cup)", "do(J)"
 NAMES = [*SEEDS, *(pytest.param(name, marks=pytest.mark.slow) for name in FOREIGN)]
 
 
-@lru_cache(maxsize=None)
 def found(name):
     """Return the program of a seed, and its verification."""
     text, kind, cost, _ = {**SEEDS, **FOREIGN}[name]
@@ -117,17 +114,6 @@ def found(name):
     program = ReactiveProgram.from_text(text)
     selection = EventSelection(tuple(map(parse_term, goals)), () if heeds_facts else ("none",), most=most)
     return program, verify(program, selection, VerifyLimits(events=max(cost, 1), steps=8), seconds=300)
-
-
-@pytest.mark.sampled(16)
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
-def test_verify_finds_a_defect_by_the_shortest_run(name):
-    _, kind, cost, updates = {**SEEDS, **FOREIGN}[name]
-    _, verdict = found(name)
-    first = next(one for one in verdict.defects if one.kind is kind)
-    assert (first.cost, first.length) == (cost, updates)
-    assert verdict.progress.proven == cost - 1, "there is no defect with fewer events"
 
 
 def shows(kind, driver, finding):
@@ -146,11 +132,15 @@ def shows(kind, driver, finding):
     return not core.live_goals or bool(core.plan.remaining(core.cycle))
 
 
-@pytest.mark.sampled(16)
+@pytest.mark.sampled(12)
 @pytest.mark.mostly_slow
 @pytest.mark.parametrize("name", NAMES)
-def test_core_shows_the_defects_of_verify(name):
+def test_verify_finds_a_defect_by_the_shortest_run_and_a_core_shows_it(name):
+    _, kind, cost, updates = {**SEEDS, **FOREIGN}[name]
     program, verdict = found(name)
+    first = next(one for one in verdict.defects if one.kind is kind)
+    assert (first.cost, first.length) == (cost, updates)
+    assert verdict.progress.proven == cost - 1, "there is no defect with fewer events"
     for one in verdict.defects:
         assert shows(one.kind, play(program, one.way, 8), one)
 
