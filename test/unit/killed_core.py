@@ -114,10 +114,11 @@ class Fate:
 class World:
     """Clients and interfaces that outlive the core: goals by number, executed actions, and reports about them.
 
-    This world has errands; ``program`` is that of the core.
+    This world has errands; ``program`` and ``horizon_limit`` belong to the core; with ``any_plan`` each core finds
+    others.
     """
 
-    program = PROGRAM
+    program, horizon_limit, any_plan = PROGRAM, 8, True
 
     def __init__(self):
         self.goals, self.cancelled = {}, set()
@@ -190,8 +191,8 @@ class Node:
         kept = folder.read()
         record = None if kept is None else kept.state
         self.keeper = Keeper(self._tell, folder, lambda: 0.0, lambda: 0.0)
-        limits = CoreSettings(8, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
-        program = other_minded(world.program, fate.instants)
+        limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
+        program = other_minded(world.program, fate.instants) if world.any_plan else world.program
         self.core = Core(program, lambda: shortest(program), self.keeper, limits, record=record)
         self.keeper.attach(self.core, record)
         for action in self.core.awaited:

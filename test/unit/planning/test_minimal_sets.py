@@ -14,6 +14,7 @@ from rosoclingo.planning.minimal_sets import (
     find_diagnosis,
     find_mus,
     find_smallest_mus,
+    grow,
     remember,
     yes_or_no,
 )
@@ -107,6 +108,18 @@ def test_find_diagnosis_returns_the_first_smallest_one(tells, conflicts):
 
 
 @ORACLES
+@given(CONFLICTS, st.data())
+def test_grow_returns_a_maximal_satisfiable_set(tells, conflicts, data):
+    seeds = [some for some in subsets(THINGS) if satisfiable(some, conflicts)]
+    if seeds:
+        seed = frozenset(data.draw(st.sampled_from(seeds)))
+        found = grow(seed, THINGS, oracle_of(conflicts, tells))
+        assert seed <= found
+        assert satisfiable(found, conflicts)
+        assert not any(satisfiable(found | {one}, conflicts) for one in set(THINGS) - found)
+
+
+@ORACLES
 @pytest.mark.parametrize("find", [find_mus, find_smallest_mus])
 @given(conflicts=CONFLICTS, questions=st.integers(0, 12))
 def test_mus_found_with_few_questions_is_unsatisfiable(tells, find, conflicts, questions):
@@ -138,6 +151,28 @@ def test_remember_changes_no_answer_and_repeats_nothing(tells, conflicts):
         assert frozenset(some) <= answer.items if answer.satisfiable else answer.items <= frozenset(some)
         assert satisfiable(answer.items, conflicts) == answer.satisfiable
     assert len(asked) == len(set(map(frozenset, asked))) <= 2 ** len(THINGS)
+
+
+def test_remember_infers_from_subsets_and_supersets():
+    oracle, asked = noting(lambda things: Witness(True, things))
+    remembering = remember(oracle, [Witness(False, frozenset("c"))])
+    for some, expected in (("ab", True), ("ba", True), ("b", True), ("ac", False), ("c", False)):
+        assert remembering(frozenset(some)).satisfiable is expected
+    assert asked == [set("ab")]
+
+
+@pytest.mark.parametrize(
+    ("number", "conflict", "tells", "most"),
+    [
+        (1000, (3, 700), "yes or no", 29),
+        (1000, (3, 700), "a core and a model", 3),
+        (100, range(10, 60), "a loose core", 51),
+    ],
+)
+def test_find_mus_asks_few_questions_among_many(number, conflict, tells, most):
+    oracle, asked = noting(oracle_of([frozenset(conflict)], tells))
+    assert find_mus(range(number), oracle) == Mus(tuple(conflict))
+    assert len(asked) <= most
 
 
 def test_find_diagnosis_returns_none_if_nothing_helps():

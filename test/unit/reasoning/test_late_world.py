@@ -1,4 +1,4 @@
-"""Random delivery programs with random facts of past, present and future cycles."""
+"""Random delivery programs and the shipped ones, with random facts of past, present and future cycles."""
 
 from functools import lru_cache
 
@@ -81,8 +81,8 @@ EVENTS = st.lists(
 class Play:
     """Applies events to a driver."""
 
-    def __init__(self, driver):
-        self.driver, self.goals, self.sent = driver, 0, []
+    def __init__(self, driver, ask):
+        self.driver, self.ask, self.goals, self.sent = driver, ask, 0, []
 
     def do(self, event, *values):
         """Apply one event."""
@@ -91,7 +91,7 @@ class Play:
     def goal(self, place):
         """Send another goal."""
         self.goals += 1
-        self.driver.goal(f"key{self.goals}", f"visit({place},{self.goals})")
+        self.driver.goal(f"key{self.goals}", self.ask(place, self.goals))
 
     def cancel(self, number):
         """Cancel a goal, if there is one."""
@@ -145,7 +145,7 @@ class Play:
 @given(FLOORS, st.sampled_from(sorted(SHUT)), st.sampled_from(sorted(POWER)), EVENTS)
 def test_random_facts_end_no_goal(doors, shut, power, events):
     driver = Driver(settings=CoreSettings(horizon_limit=30), program=program(doors, shut, power))
-    play = Play(driver)
+    play = Play(driver, lambda place, number: f"visit({place},{number})")
     for event in events:
         play.do(*event)
     driver.finish().goal("fresh", "visit(loft,99)").finish()
@@ -153,4 +153,38 @@ def test_random_facts_end_no_goal(doors, shut, power, events):
     for number in range(1, play.goals + 1):
         assert len(play.ends(f"key{number}")) == 1
         assert play.ends(f"key{number}")[0] in ("succeeded", "preempted", "recalled"), driver.journal.problems
+    check_replay(driver.program, driver.journal)
+
+
+THINGS = st.sampled_from(["cup", "newspaper", "book"])
+HOUSE_ROOMS = st.sampled_from(["hallway", "living_room", "kitchen", "bedroom", "bathroom"])
+HOUSE_FACTS = st.one_of(
+    st.tuples(st.sampled_from(["_blocked", "_opened"]), HOUSE_ROOMS, HOUSE_ROOMS, CYCLES),
+    st.tuples(st.just("_seen"), THINGS, HOUSE_ROOMS, CYCLES),
+)
+HOUSE_EVENTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("goal"), st.tuples(HOUSE_ROOMS, THINGS)),
+        st.tuples(st.just("facts"), st.lists(HOUSE_FACTS, min_size=1, max_size=3)),
+        st.tuples(st.just("batch"), st.lists(HOUSE_FACTS, min_size=1, max_size=3), st.tuples(HOUSE_ROOMS, THINGS)),
+        st.tuples(st.just("return"), st.sampled_from(["blocked", "failed", "odd"])),
+        st.tuples(st.just("succeed")),
+        st.tuples(st.just("finish")),
+        st.tuples(st.just("again")),
+    ),
+    max_size=8,
+)
+
+
+@pytest.mark.slow
+@settings(max_examples=settings.default.max_examples // 10, suppress_health_check=[HealthCheck.too_slow])
+@given(HOUSE_EVENTS)
+def test_random_facts_leave_house_program_alive(events):
+    driver = Driver.of_shipped("house.lp", "home.lp")
+    play = Play(driver, lambda what, number: f"bring({what[0]},{what[1]})")
+    for event in events:
+        play.do(*event)
+    driver.finish().goal("fresh", "bring(bedroom,book)").finish()
+    assert play.ends("fresh") == ["succeeded"], driver.journal.problems
+    assert driver.core.live_goals == []
     check_replay(driver.program, driver.journal)

@@ -68,6 +68,12 @@ def test_parse_update_inverts_str_of_updates(update):
     assert parse_update(str(update)) == update
 
 
+@pytest.mark.slow
+@given(st.lists(UPDATES, max_size=3))
+def test_parse_updates_reads_several_updates(updates):
+    assert parse_updates("".join(map(str, updates))) == updates
+
+
 @given(TERMS)
 def test_parse_term_inverts_str_of_terms(term):
     assert parse_term(str(term)) == term

@@ -55,6 +55,15 @@ def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
         assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
+@pytest.mark.parametrize("advises", [False, True])
+def test_soon_extends_the_last_plan_while_an_action_goes_on(advises):
+    """New tasks are added to the delayed plan; with advice, any plan is tried first."""
+    world = {"step": 2, "horizon": 12, "most": 12, "running": True, "advises": advises, "hard": {12: 10**6}}
+    _, horizon, asked = run({12: [2, 3, 4, 12]}, world, plan(9, 2, 3))
+    assert horizon == 12
+    assert ("2..12+2+3+4/100" in asked) is not advises
+
+
 # ---- In the solver ---------------------------------------------------------------------------------------------------
 
 

@@ -5,14 +5,18 @@ The interfaces remember their actions as the real ones do; the action servers su
 
 import contextlib
 import tempfile
+from collections import Counter
 from pathlib import Path
 
+import office_world
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KILLS, Fate, KilledError, Play, World
+from killed_core import HAPPENED, KEYS, KILLS, Fate, KilledError, Play, World
+from shipped import shipped
 
 from rosoclingo.interfaces.memory import ActionMemory
+from rosoclingo.reasoning.goals import GoalState
 
 
 class Interfaces(World):
@@ -113,6 +117,50 @@ class Interfaces(World):
             self.said.append(list(facts))
 
 
+class Mailbot(Interfaces):
+    """The interfaces of the mailbot: kinds of goals are pairs of offices, and the key is the package.
+
+    The world is modelled independently of the program. Failures are too rare to abort a goal.
+    """
+
+    horizon_limit = 30
+
+    def __init__(self, folder, fate):
+        super().__init__(folder, fate)
+        self._office, self._failures = office_world.World(), Counter()
+
+    @property
+    def program(self):
+        """Return the program of the core."""
+        return shipped("mailbot.lp", "office.lp")
+
+    @staticmethod
+    def text(key, kind):
+        """Return the text of a goal."""
+        return "goal({},{},{})".format(*kind, key)
+
+    def execute(self, action, good):
+        """Execute a possible action of the robot, or fail."""
+        for key, (origin, _) in self.goals.items():
+            self._office.places.setdefault(key, origin)
+        self._failures[str(action.parameter)] += not good
+        if not good and self._failures[str(action.parameter)] < 3:
+            return "failed"
+        self._office.do(action)
+        return action.parameter
+
+    def check(self):
+        """Check that each goal has ended and that its package is where the end says."""
+        for key, (origin, target) in self.goals.items():
+            place = self._office.places.get(key, origin)
+            if self.ends[key] is GoalState.SUCCEEDED:
+                assert place == target
+            else:
+                assert self.ends[key] in (GoalState.RECALLED, GoalState.PREEMPTED)
+                assert key in self.cancelled
+                assert place in (origin, target)  # present if the goal was cancelled during the delivery
+
+
 class BothPlay(Play):
     """A core and interfaces, each of which is rebuilt after a kill."""
 
@@ -190,3 +238,19 @@ def test_interfaces_or_core_survive_kill_at_every_instant():
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS)
 def test_interfaces_and_core_survive_repeated_kills(script, kills):
     played(script, kills)
+
+
+PAIRS = st.permutations(office_world.OFFICES).map(lambda offices: tuple(offices[:2]))
+ORDERED = st.one_of(
+    st.tuples(st.just("goal"), PAIRS),
+    st.tuples(st.just("cancel"), KEYS),
+    *[st.tuples(st.just("answer"), KEYS, st.booleans())] * 3,
+)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(3, settings.default.max_examples // 8))
+@given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
+def test_mailbot_packages_end_in_right_place_after_kills(script, kills):
+    played(script, kills, Mailbot)
