@@ -37,9 +37,7 @@ class FakeGrounding:
         self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
         several, self.running = options.get("several", False), options.get("running", False)
-        self.program = SimpleNamespace(
-            forgets=(), advises=advises, optimizes=optimizes, declares_external=lambda name, arity: several
-        )
+        self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes, actions_go_on=several)
         self.asked, self.questions = [], 0
 
     def run(self, make, block):

@@ -7,7 +7,6 @@ from typing import Callable, FrozenSet, List, Optional, TypeVar
 import clingo
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.oclingo.program.action_rules import RUNNING
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
@@ -122,11 +121,6 @@ class StrategyRunner:
     def horizon(self) -> int:
         """The last grounded step."""
         return self.grounding.horizon
-
-    @property
-    def actions_go_on(self) -> bool:
-        """Whether actions can go on while others end, so that several robots act."""
-        return self.program.declares_external(RUNNING.name, RUNNING.arity)
 
     def may_grow(self, horizon: int) -> bool:
         """Return whether bound and limit allow a step after ``horizon``."""

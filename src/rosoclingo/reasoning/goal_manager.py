@@ -11,7 +11,7 @@ from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, Proble
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, GoalState, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
-from rosoclingo.reasoning.keywords import REQUEST, RUNNING, SHOWN, request, shortened
+from rosoclingo.reasoning.keywords import REQUEST, SHOWN, request, shortened
 from rosoclingo.reasoning.records import PersistentPart, Record, tables
 from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.reasoning.settings import CoreSettings
@@ -47,7 +47,7 @@ class GoalManager(PersistentPart):
             settings.goals_at_once,
             settings.overtaking_limit,
             settings.search_timeout,
-            batches=not program.declares_external(RUNNING, 3),
+            batches=not program.actions_go_on,
         )
 
     @property

@@ -31,7 +31,6 @@ from rosoclingo.reasoning.keywords import (
     PREEMPTED,
     RESERVED,
     RETURN,
-    RUNNING,
     TAKES,
     TIMEOUT,
     Action,
@@ -221,7 +220,7 @@ class ExecutionMonitor(PersistentPart):
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
         self._text = 0  # number of characters of the waiting facts
-        self.goes_on = program.declares_external(RUNNING, 3)
+        self.goes_on = program.actions_go_on
         self._dispatches: List[Dispatch] = []
         self.cycle, self._under_way = 0, ()  # type: int, Tuple[Action, ...]
         self._left_out: FrozenSet[Action] = frozenset()  # running actions that the plan of this cycle leaves out

@@ -30,8 +30,8 @@ LACKS = "a journal has no poses, map or packages, no lines of the core's log and
 #: The sender of facts in an update.
 SOMEBODY = "an interface"
 
-#: actionlib's numbers of a goal that has just arrived, and of a lost goal.
-_PENDING, _LOST = 0, 9
+#: actionlib's number of a lost goal.
+_LOST = 9
 
 _read_plan, _read_client = codec(TaskPlan).decode, codec(ClientGoal).decode
 _read_actions, _read_dispatches = codec(FrozenSet[Action]).decode, codec(List[Dispatch]).decode
@@ -142,7 +142,7 @@ class _Reader:
         for key, client in new.items():
             stamp = client.stamp[0] + 1e-9 * client.stamp[1]
             earlier = not self.first and 0.0 < stamp < time
-            self._events.goals(stamp if earlier else time, [GoalReport(key, client.text, _PENDING, "")])
+            self._events.goals(stamp if earlier else time, [GoalReport(key, client.text, GoalState.PENDING.number, "")])
         for key, client in found.items():
             if client.cancelled and (key in new or not self._clients[key].cancelled):
                 self._events.cancel(time, key)

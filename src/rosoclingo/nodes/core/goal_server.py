@@ -105,7 +105,8 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         with self.lock:
             if self._published:
                 return
-            # in this order, as the worker sets _taking before it takes a goal from the queue
+            # in this order, as the worker sets _taking before it takes a goal from the queue; the list is a copy at one
+            # moment, because rospy's threads add arrivals meanwhile
             self._deferred = any(one.is_goal for one in list(self._arrivals)) or self._taking
             if not self._deferred:
                 super().publish_status()

@@ -9,7 +9,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
-from rosoclingo.oclingo.program.action_rules import ACTION, cycle_alone
+from rosoclingo.oclingo.program.action_rules import ACTION, RUNNING, cycle_alone
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
@@ -72,6 +72,11 @@ class ReactiveProgram(LoadedProgram):
     def declares_external(self, name: str, arity: int) -> bool:
         """Return whether the program declares an external of this name and arity."""
         return Signature(name, arity) in self.external_signatures
+
+    @property
+    def actions_go_on(self) -> bool:
+        """Whether actions can go on while others end: the program declares ``_running(A,P,C)``."""
+        return RUNNING in self.external_signatures
 
     def defines(self, name: str, arity: int) -> bool:
         """Return whether a rule has a head of this name and arity."""

@@ -96,7 +96,7 @@ class Improvement:
                     best = better
                     self._trimmed = self._trimmed and better.plan.actions == self._plan.actions
                     self._plan = better.plan
-                    if self._runner.actions_go_on:
+                    if self._runner.program.actions_go_on:
                         break  # the next update can come soon
         return best
 
@@ -160,7 +160,7 @@ class Improvement:
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._while_shorter(lambda: self._shorter_plans(2 * conflicts))
-        if self._runner.actions_go_on:
+        if self._runner.program.actions_go_on:
             yield from self._while_shorter(lambda: self._other_robots(2 * conflicts))
         first = self._step + 1
         while first <= self._plan.horizon:

@@ -29,8 +29,7 @@ mislead, the shortest horizons that are not refuted are also tried without it, w
 EFFORT = 800_000
 """Initial limit of conflicts times possible actions for a question about any plan, at least :data:`CONFLICTS`.
 
-A conflict takes the longer the more actions there are. With few actions, further steps are worth more conflicts,
-because they make all later questions more expensive.
+Each conflict takes longer if there are more actions, and additional steps make all later questions more expensive.
 """
 
 CONFLICTS_PER_STEP = 100
@@ -178,9 +177,9 @@ class FirstPlanSearch:
                 self._end = self._next_end(refuted)
 
     def _ask_for_any(self, factor: int) -> _Asks[Reply]:
-        """Ask for a plan up to the current end, preferably one with the remaining actions of the last plan.
+        """Ask for a plan up to the current end: first with the rest of the last plan, then for any other.
 
-        If actions go on, a plan that follows the advice is preferred: several robots can share new tasks.
+        While actions go on, a program with advice is first asked for any plan, so that robots share new tasks.
         """
         reply, advised = UNKNOWN, bool(self._runner.snapshot.running) and self._program.advises
         if advised:

@@ -42,7 +42,7 @@ def trim(
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``.
     """
     advises = runner.program.advises
-    trusted, rest = advises and not runner.actions_go_on, plan.rest(step + 1)
+    trusted, rest = advises and not runner.program.actions_go_on, plan.rest(step + 1)
 
     def question(plan: Plan, first: int, last: int, fewer: bool = False) -> Question:
         """Return the question for ``plan``, or for a proper subset of its actions."""
@@ -62,7 +62,7 @@ def trim(
     fewer = yield question(rest, first, plan.horizon, fewer=True)
     if fewer.satisfiable:
         return fewer
-    for earlier in _with_less_waiting(rest, step + 1) if runner.actions_go_on else ():
+    for earlier in _with_less_waiting(rest, step + 1) if runner.program.actions_go_on else ():
         sooner = yield question(earlier, first, plan.horizon)
         if sooner.satisfiable:
             return sooner
