@@ -79,6 +79,11 @@ class Plan(NamedTuple):
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
         return [(action, action in self.actions) for action in actions]
 
+    def late(self, actions: Iterable[clingo.Symbol], most: int) -> List[Tuple[clingo.Symbol, bool]]:
+        """Return assumptions that ``actions`` are false, but for those of the plan, up to ``most`` cycles late."""
+        allowed = {delay(action, late) for action in self.actions for late in range(most + 1)}
+        return [(action, False) for action in actions if action not in allowed]
+
     @property
     def last_cycle(self) -> int:
         """The cycle of the last action; a very small number if the plan is empty."""

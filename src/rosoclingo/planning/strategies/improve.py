@@ -3,7 +3,7 @@
 Each round asks for plans of several kinds:
 
 * Any shorter plan; of half the length if the plan is long, because the first plan can be many times too long.
-* The tasks of the plan in another *order*, see reorder.py. All actions are fixed; the solver checks the candidate.
+* The tasks of the plan in another *order*, see reorder.py. The solver checks the candidate, and whether robots wait.
 * A plan with a free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap
   by half.
 * A plan in which the *robots* that end last and one other are free, if actions can go on while others end.
@@ -37,6 +37,9 @@ MOST_CONFLICTS = 20_000
 
 COST_CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
+
+WAITS = 4
+"""Number of steps by which actions of a candidate can be late, because robots wait for each other."""
 
 FEW_STEPS = 100
 """Greatest number of steps for which questions without ``#heuristic`` are worthwhile."""
@@ -82,8 +85,12 @@ class Improvement:
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
         best: Optional[Reply] = None
         with suppress(StoppedError):
+            orders = self._reordered(CONFLICTS) if runner.program.actions_go_on else iter(())
             while not runner.is_stopped():
-                if not self._trimmed:
+                order = next(orders, None)
+                if order is not None:  # first, because it can save many steps before the next update
+                    better = yield from self._shorter(order)
+                elif not self._trimmed:
                     better = yield from trim(self._plan, runner, self._step, self._first, self._present)
                     self._trimmed = better is None
                 elif best is not None:
@@ -209,11 +216,13 @@ class Improvement:
         return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
-        """Yield a question about another order of the tasks."""
+        """Yield a question about another order of the tasks, in which robots can wait for each other."""
         plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
         if plan is not None:
-            given = [(action, True) for action in plan.actions]
-            yield Question(self._first, max(self._begin, plan.horizon), given, conflicts=conflicts)
+            late = min(WAITS, self._plan.horizon - 1 - plan.horizon)
+            last = max(self._begin, plan.horizon + late)
+            given = plan.late(self._runner.actions(self._step + 1, last), late)
+            yield Question(self._first, last, given, conflicts=conflicts)
 
     @property
     def is_proven(self) -> bool:

@@ -1,13 +1,13 @@
 """Candidates for shorter plans: the same tasks in another order. The solver checks whether a candidate is a plan.
 
-The plan is read as a tour. If an action repeats, all actions of its kind are *moves*, each to the place in its
-parameter. Other actions are *tasks* at the place of the last move. Tasks with the same parameter, such as a pickup and
-a delivery, form a *chain*: they keep their order. A chain is open from its first to its last task; a candidate never
-has more open chains than the plan. Moves use the connections of the plan; half of the searches use them in both
-directions.
+The plan is read as a tour; if it has several actions at a step, as one tour for each robot. If an action repeats, all
+actions of its kind are *moves*, each to the place in its parameter. Other actions are *tasks* at the place of the last
+move. Tasks with the same parameter, such as a pickup and a delivery, form a *chain*: one robot does them, in the order
+of the plan. A chain is open from its first to its last task; in a candidate, no robot has more open chains than one has
+in the plan. Moves use the connections of the plan; half of the searches use them in both directions.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
-each where it adds the fewest moves. Like simulated annealing, it also accepts slightly longer tours.
+each where it costs least. Like simulated annealing, it also accepts slightly longer tours.
 """
 
 import math
@@ -15,9 +15,10 @@ from collections import Counter, deque
 from itertools import accumulate
 from operator import itemgetter
 from random import Random
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
+from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.planning.history import Plan, cycle_of
@@ -29,114 +30,149 @@ EFFORT = 10_000
 REMOVED = 8
 """Greatest number of chains that one round removes."""
 
+OTHERS = 0.1
+"""Cost of a step of a tour that is not the longest one."""
+
 FAR = 1_000_000
 """Number of moves to an unreachable place."""
 
-Act = Tuple[clingo.Symbol, clingo.Symbol]
-"""An action without its cycle: kind and parameter."""
+Robot = Tuple[Symbol, ...]
+"""The arguments of the interfaces of a robot; empty in a plan with one tour."""
 
-Place = Optional[Act]
-"""The move that leads to a place; None for an unknown start."""
+Act = Tuple[Symbol, Symbol]
+"""An action without robot and cycle: kind and parameter. A move stands for its place."""
 
 ANYWHERE: Act = (clingo.Infimum, clingo.Infimum)
-"""The end of a plan whose last action is a task."""
+"""The end of a tour whose last action is a task."""
 
 Order = List[int]
-"""The numbers of tasks, from 1."""
+"""The numbers of tasks."""
+
+
+class Step(NamedTuple):
+    """An action in a tour."""
+
+    cycle: int
+    robot: Robot
+    act: Act
 
 
 def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[Plan]:
     """Return a shorter candidate that differs from ``plan`` after ``step``; None if none is found.
 
-    The search ends when ``stopped`` returns true. A plan with several actions at a step has no candidates.
+    Robots do not wait in it, even if they are in each other's way. The search ends when ``stopped`` returns true.
     """
-    actions = sorted(plan.actions, key=cycle_of)
-    acts = [(action.arguments[0], action.arguments[1]) for action in actions]
-    cycles = [cycle_of(action) for action in actions if cycle_of(action) > step]
-    past = len(acts) - len(cycles)
-    tour = Tour(acts[:past], acts[past:], both_ways=random.random() < 0.5)
-    if len(set(cycles)) < len(cycles) or len(tour.chains) < 2:
+    steps = _steps(plan)
+    rest = [one for one in steps if one.cycle > step]
+    tours = Tours([one for one in steps if one.cycle <= step], rest, both_ways=random.random() < 0.5)
+    if len({(one.cycle, one.robot) for one in rest}) < len(rest) or len(tours.chains) < 2:
         return None
-    best = order = tour.order
-    for _ in range(EFFORT // len(order)):
+    best = orders = tours.orders
+    for _ in range(EFFORT // len(tours.chain_of)):
         if stopped():
             break
-        other = _recreated(tour, order, random)
-        if other and tour.moves(other) < tour.moves(order) - math.log(1.0 - random.random()):
-            order = other
-            best = min(best, order, key=tour.moves)
-    acts = tour.acts(best)
-    if len(acts) >= len(cycles):
-        return None
-    shorter = (clingo.Function(ACTION.name, [*act, clingo.Number(cycle)]) for cycle, act in enumerate(acts, step + 1))
-    return Plan(frozenset(shorter), step + len(acts))
+        others = _recreated(tours, orders, random)
+        if others and tours.cost(others) < tours.cost(orders) - math.log(1.0 - random.random()):
+            orders = others
+            best = min(best, orders, key=tours.cost)
+    actions = tours.actions(best, step + 1)
+    end = max(map(cycle_of, actions))
+    return Plan(frozenset(actions), end) if end < plan.horizon else None
 
 
-def _recreated(tour: "Tour", order: Order, random: Random) -> Optional[Order]:
-    """Return ``order`` with some chains inserted elsewhere; None if a chain does not fit."""
-    near = dict.fromkeys(tour.chain_of[task] for task in tour.nearest(random.choice(order)))
+def _steps(plan: Plan) -> List[Step]:
+    """Return the actions of ``plan`` by cycles."""
+    actions = sorted(plan.actions, key=cycle_of)
+    several = len(set(map(cycle_of, actions))) < len(actions)
+    if several and all(one.arguments[0].type is SymbolType.Function and one.arguments[0].arguments for one in actions):
+        names = [(cycle_of(one), one.arguments[0], one.arguments[1]) for one in actions]
+        return [Step(cycle, tuple(name.arguments), (Function(name.name), what)) for cycle, name, what in names]
+    return [Step(cycle_of(one), (), (one.arguments[0], one.arguments[1])) for one in actions]
+
+
+def _recreated(tours: "Tours", orders: List[Order], random: Random) -> Optional[List[Order]]:
+    """Return ``orders`` with some chains inserted elsewhere; None if a chain does not fit."""
+    near = dict.fromkeys(tours.chain_of[task] for task in tours.nearest(random.randrange(len(tours.chain_of))))
     chains = [*near][: random.randint(1, REMOVED)]
     random.shuffle(chains)
-    recreated: Optional[Order] = [task for task in order if tour.chain_of[task] not in chains]
+    orders = [[task for task in order if tours.chain_of[task] not in chains] for order in orders]
     for chain in chains:
-        recreated = None if recreated is None else tour.inserted(recreated, chain)
-    return recreated
+        candidates = [*tours.inserted(orders, chain)]
+        if not candidates:
+            return None
+        orders = min(candidates, key=tours.cost)
+    return orders
 
 
-class Tour:
-    """A plan as a sequence of tasks at places.
+class Tours:
+    """A plan as tasks at places, in an order for each robot.
 
     Attributes:
-        order: the numbers of the tasks, in the order of the plan.
+        orders: the numbers of each robot's tasks, in the order of the plan.
         chains: the tasks of each chain.
         chain_of: task -> the number of its chain.
 
     """
 
-    def __init__(self, past: Sequence[Act], plan: Sequence[Act], both_ways: bool) -> None:
+    def __init__(self, past: Sequence[Step], plan: Sequence[Step], both_ways: bool) -> None:
         """Read ``plan``, which follows the ``past``; if ``both_ways``, connections are symmetric."""
-        moving = {kind for (kind, _), count in Counter(plan).items() if count > 1}
-        here: Place = next((act for act in reversed(past) if act[0] in moving), None)
+        self._moving = {kind for (kind, _), count in Counter(one.act for one in plan).items() if count > 1}
+        self._robots = sorted({one.robot for one in (*past, *plan)})
+        self._exits: Dict[Act, List[Act]] = {}
         self._tasks: List[Act] = []
-        self._places = [here]
-        self._exits: Dict[Place, List[Act]] = {}
-        for act in plan:
-            if act[0] in moving:
-                self._exits.setdefault(here, []).append(act)
-                if both_ways and here is not None:
-                    self._exits.setdefault(act, []).append(here)
-                here = act
-            else:
-                self._tasks.append(act)
-                self._places.append(here)
-        self._end = here if plan and plan[-1][0] in moving else ANYWHERE
-        self.order: Order = [*range(1, len(self._tasks) + 1)]
+        self.orders: List[Order] = []
+        places, starts, ends = [], [], []  # type: List[Act], List[Act], List[Act]
+        for number, robot in enumerate(self._robots):
+            moves = [one.act for one in past if one.robot == robot and self._moves(one.act)]
+            here = moves[-1] if moves else (clingo.Infimum, clingo.Number(number))
+            starts.append(here)
+            self.orders.append([])
+            acts = [one.act for one in plan if one.robot == robot]
+            for act in acts:
+                if self._moves(act):
+                    self._exits.setdefault(here, []).append(act)
+                    if both_ways and self._moves(here):
+                        self._exits.setdefault(act, []).append(here)
+                    here = act
+                else:
+                    self.orders[-1].append(len(self._tasks))
+                    self._tasks.append(act)
+                    places.append(here)
+            ends.append(here if acts and self._moves(acts[-1]) else ANYWHERE)
+        self._places = [*places, *starts, *ends]  # of the tasks, and of the starts and ends of the tours
         self._find_chains()
         self._ways = {place: self._ways_from(place) for place in self._places}
-        ways, ends = [self._ways[place] for place in self._places], [*self._places, self._end]
-        self._moves = [[len(way[place]) if place in way else FAR for place in ends] for way in ways]
+        ways = [self._ways[place] for place in self._places]
+        self._distances = [[len(way[place]) if place in way else FAR for place in self._places] for way in ways]
+
+    def _moves(self, act: Act) -> bool:
+        return act[0] in self._moving
 
     def _find_chains(self) -> None:
-        chains: Dict[clingo.Symbol, Order] = {}
-        for task in self.order:
-            chains.setdefault(self._tasks[task - 1][1], []).append(task)
+        chains: Dict[Symbol, Order] = {}
+        for task, (_, parameter) in enumerate(self._tasks):
+            chains.setdefault(parameter, []).append(task)
         self.chains = [*chains.values()]
         self.chain_of = {task: number for number, chain in enumerate(self.chains) for task in chain}
-        # A chain is open at the start if its tasks are the last kinds of a longer chain.
-        kinds = [[self._tasks[task - 1][0] for task in chain] for chain in self.chains]
+        # A chain is open at the start if its tasks are the last kinds of a longer chain; it stays with its robot.
+        kinds = [[self._tasks[task][0] for task in chain] for chain in self.chains]
         self._begun = [any(len(a) > len(b) and a[-len(b) :] == b for a in kinds) for b in kinds]
         self._opens = {
             task: (task == chain[0] and not begun) - (task == chain[-1])
             for chain, begun in zip(self.chains, self._begun)
             for task in chain
         }
-        self._most_open = max(accumulate([sum(self._begun), *(self._opens[task] for task in self.order)]))
+        opens = [[self._open_at_start(order), *(self._opens[task] for task in order)] for order in self.orders]
+        self._most_open = max((max(accumulate(one)) for one in opens), default=0)
+
+    def _open_at_start(self, order: Order) -> int:
+        return sum(self._begun[chain] for chain in {self.chain_of[task] for task in order})
 
     # ---- Moves -------------------------------------------------------------------------------------------------------
 
-    def _ways_from(self, start: Place) -> Dict[Place, List[Act]]:
+    def _ways_from(self, start: Act) -> Dict[Act, List[Act]]:
         """Return a shortest path to each place."""
-        ways: Dict[Place, List[Act]] = {start: [], ANYWHERE: []}
+        ways: Dict[Act, List[Act]] = {start: [], ANYWHERE: []}
         queue = deque([start])
         while queue:
             here = queue.popleft()
@@ -146,29 +182,46 @@ class Tour:
                     queue.append(place)
         return ways
 
-    def moves(self, order: Order) -> int:
-        """Return the number of moves that ``order`` needs."""
-        return sum(self._moves[a][b] for a, b in zip([0, *order], [*order, -1]))
+    def _stops(self, robot: int, order: Order) -> Order:
+        """Return ``order`` between the numbers of the places where the tour starts and ends."""
+        start = len(self._tasks) + robot
+        return [start, *order, start + len(self._robots)]
+
+    def cost(self, orders: Sequence[Order]) -> float:
+        """Return the steps of the longest tour, and a part of those of the others."""
+        steps = []
+        for robot, order in enumerate(orders):
+            stops = self._stops(robot, order)
+            steps.append(len(order) + sum(self._distances[a][b] for a, b in zip(stops, stops[1:])))
+        return max(steps) + OTHERS * (sum(steps) - max(steps))
 
     def nearest(self, task: int) -> Order:
         """Return all tasks, nearest to ``task`` first."""
-        return sorted(self.order, key=self._moves[task].__getitem__)
+        return sorted(self.chain_of, key=self._distances[task].__getitem__)
 
     # ---- Orders ------------------------------------------------------------------------------------------------------
 
-    def inserted(self, order: Order, chain: int) -> Optional[Order]:
+    def inserted(self, orders: Sequence[Order], chain: int) -> Iterator[List[Order]]:
+        """Yield ``orders`` with a chain inserted, by each robot that can have it."""
+        for robot, order in enumerate(orders):
+            if not self._begun[chain] or self.chains[chain][0] in self.orders[robot]:
+                more = self._inserted(robot, order, chain)
+                if more is not None:
+                    yield [*orders[:robot], more, *orders[robot + 1 :]]
+
+    def _inserted(self, robot: int, order: Order, chain: int) -> Optional[Order]:
         """Return ``order`` with a chain inserted where it adds the fewest moves; None if it does not fit.
 
         Uses dynamic programming over the gaps: ``added[n]`` contains the additional moves and the gaps for the first
         ``n`` tasks of the chain.
         """
-        tasks, moves = self.chains[chain], self._moves
+        tasks, moves, stops = self.chains[chain], self._distances, self._stops(robot, order)
         along = [0, *accumulate(moves[a][b] for a, b in zip(tasks, tasks[1:]))]
         nowhere: Tuple[float, Order] = (math.inf, [])
         added: List[Tuple[float, Order]] = [(0.0, []), *[nowhere] * len(tasks)]
         open_states = range(0 if self._begun[chain] else 1, len(tasks))
-        now_open = sum(self._begun[other] for other in {self.chain_of[task] for task in order})
-        for gap, (before, after) in enumerate(zip([0, *order], [*order, -1])):
+        now_open = self._open_at_start(order)
+        for gap, (before, after) in enumerate(zip(stops, stops[1:])):
             now_open += self._opens[before] if gap else 0
             if now_open >= self._most_open and open_states:
                 for state in open_states:
@@ -185,11 +238,15 @@ class Tour:
         gaps = [*enumerate(order, 1), *zip(added[-1][1], tasks)]
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
-    def acts(self, order: Order) -> List[Act]:
-        """Return the moves and tasks of ``order``."""
-        acts: List[Act] = []
-        here = self._places[0]
-        for task in order:
-            acts += [*self._ways[here][self._places[task]], self._tasks[task - 1]]
-            here = self._places[task]
-        return acts + self._ways[here][self._end]
+    def actions(self, orders: Sequence[Order], cycle: int) -> List[Symbol]:
+        """Return the actions of ``orders`` from ``cycle`` on."""
+        actions = []
+        for number, (robot, order) in enumerate(zip(self._robots, orders)):
+            acts: List[Act] = []
+            stops = self._stops(number, order)
+            for here, there in zip(stops, stops[1:]):
+                acts += self._ways[self._places[here]][self._places[there]]
+                acts += [self._tasks[there]] if there in self.chain_of else []
+            names = [(Function(kind.name, robot) if robot else kind, what) for kind, what in acts]
+            actions += [Function(ACTION.name, [*act, clingo.Number(late)]) for late, act in enumerate(names, cycle)]
+        return actions

@@ -9,7 +9,7 @@ at once.
 
 from typing import Generator, List, NamedTuple, Optional, TypeVar
 
-from rosoclingo.planning.history import Plan, delay
+from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.improve import FEW_STEPS
 from rosoclingo.planning.strategies.trim import trimmed
@@ -131,8 +131,7 @@ class FirstPlanSearch:
         last = max(self._least, plan.horizon) + LATER
         if not self._reach(last):
             return UNKNOWN
-        allowed = {delay(action, late) for action in plan.actions for late in range(LATER + 1)}
-        given = [(one, False) for one in self._runner.actions(self._runner.step, last) if one not in allowed]
+        given = plan.late(self._runner.actions(self._runner.step, last), LATER)
         return (yield from self._ask(self._least, last, CONFLICTS, given))
 
     def _reach(self, last: int) -> bool:

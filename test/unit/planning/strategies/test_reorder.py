@@ -1,5 +1,6 @@
 """Candidates for shorter plans: tasks in another order, by transitions that the plan itself contains."""
 
+import re
 from itertools import accumulate
 from random import Random
 
@@ -94,3 +95,62 @@ def test_reordered_plans_are_shorter_and_obey_the_rules(ends, carried, draw):
         do(office, acts[:step] + acts_of(found))
         assert not any(office.packages.values())
         assert found.horizon == step + len(found.actions) < len(acts)
+
+
+# ---- Several robots --------------------------------------------------------------------------------------------------
+
+
+def fleet_plan(tours):
+    """Return the plan in which each robot, the argument of its interfaces, does its acts without waiting."""
+    plans = [plan_of(re.sub(r"(\w+) (\w+)", rf"\1({robot}) \2", acts)) for robot, acts in tours.items()]
+    return Plan(frozenset().union(*(one.actions for one in plans)), max(one.horizon for one in plans))
+
+
+def tours_of(plan, step):
+    """Return the acts of each robot from ``step + 1`` on; AssertionError if a robot waits."""
+    tours = {}
+    for one in sorted(plan.actions, key=cycle_of):
+        kind = one.arguments[0]
+        acts = tours.setdefault(str(kind.arguments[0]), [])
+        acts.append(f"{kind.name} {one.arguments[1]}")
+        assert cycle_of(one) == step + len(acts)
+    return tours
+
+
+def test_reordered_gives_tasks_to_the_robot_with_less_to_do():
+    busy = "go a; go b; go c; take 1; go b; go a; put 1; go b; go c; take 2; go b; go a; put 2"
+    found = candidate(fleet_plan({"r1": busy, "r2": "go b; go a"}), 1)
+    tours = tours_of(found, 1)
+    assert found.horizon == 1 + max(map(len, tours.values())) == 7
+    assert all(len([act for act in tours[robot] if act.startswith("take")]) == 1 for robot in ("r1", "r2"))
+
+
+@pytest.mark.slow
+@given(
+    st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=8), st.integers(2, 3), st.randoms()
+)
+def test_reordered_plans_of_several_robots_are_shorter_and_obey_the_rules(ends, robots, draw):
+    """Each package is moved by one robot, and stays with it once it is on board; no robot carries more than it can."""
+    corridor, packages, tours, offices = neighbours([(f"o{one}", f"o{one + 1}") for one in range(5)]), {}, {}, {}
+    for number, (a, b) in enumerate(ends):
+        packages.setdefault(f"r{draw.randint(1, robots)}", {})[number] = ("waits", f"o{a}", f"o{b}")
+    for robot, own in packages.items():
+        tours[robot] = some_plan(Office(corridor, CAPACITY, "o0", own), draw)
+    plan = fleet_plan({robot: "; ".join(acts) for robot, acts in tours.items()})
+    step = draw.randrange(plan.horizon)
+    found = candidate(plan, step)
+    waiting = {}
+    for robot, own in packages.items():
+        office = offices[robot] = Office(corridor, CAPACITY, "o0", own)
+        do(office, tours[robot][:step])
+        waiting.update({number: one for number, one in office.packages.items() if one and one[0] == "waits"})
+    if found is None or not waiting:
+        return  # nothing tells that a package is on board
+    left, found_tours = dict(waiting), tours_of(found, step)
+    for robot, office in offices.items():
+        aboard = {number: one for number, one in office.packages.items() if one and one[0] == "rides"}
+        office.packages = {**aboard, **left}
+        do(office, found_tours.get(robot, []))
+        left = {number: one for number, one in office.packages.items() if one}
+    assert not left
+    assert found.horizon < plan.horizon
