@@ -38,7 +38,6 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
-GOALS = 4  # number of goals for each robot that the core plans for at a time, as in fleet.launch
 SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
@@ -77,7 +76,7 @@ class FleetCore(PooledCore):
     """
 
     def __init__(self, program, world):
-        super().__init__(program, PLAN_TIME, CoreSettings(goals_at_once=GOALS * len(world.at)))
+        super().__init__(program, PLAN_TIME, CoreSettings())
         self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
         self._ends, self._rests = [], {}
 
@@ -125,7 +124,7 @@ class FleetCore(PooledCore):
 
         self.core.prepare()
         while not is_over() and self.core.improve(is_over):
-            pass
+            self.core.prepare()  # from the better plan
         self.await_standby(seconds)
 
     def _rest(self):

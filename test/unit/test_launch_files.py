@@ -285,7 +285,6 @@ def test_launch_fleet_has_navigation_for_each_robot(given, robots):
     names = [f"r{number}" for number in range(1, robots + 1)]
     assert sorted(one.namespace for one in config.nodes if one.type == "move_base") == [f"/{name}/" for name in names]
     assert parameters(config, "/interfaces/values/")["R"] == names
-    assert parameters(config, "/rosoclingo/")["goals_at_once"] == 4 * robots
 
 
 def test_launch_household_gives_each_robot_poses_of_its_own():
