@@ -4,28 +4,37 @@ import abc
 import functools
 import io
 import time
+from collections import deque
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 import rospkg
 import rospy
 from clingo import Function
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionEvent, ActionLimits, Effect, Instant, Phase, Run
-from rosoclingo.interfaces.answers import INTERRUPTED, LOST, SUCCEEDED, Answer, answer, in_words
-from rosoclingo.interfaces.attempt import Attempt
+from rosoclingo.interfaces.answers import SUCCEEDED, Answer, answer, in_words
+from rosoclingo.interfaces.attempt import (
+    DEFAULT_LIMITS,
+    ActionEvent,
+    ActionLimits,
+    Attempt,
+    Check,
+    Effect,
+    Instant,
+    Phase,
+)
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import (
+    REMEMBERED,
     CommandError,
     InterfaceCommand,
     Sender,
-    SentActions,
     parse_command,
     return_text,
+    return_value,
 )
 from rosoclingo.interfaces.inbox import inbox_of
-from rosoclingo.interfaces.inquiry import Check, Inquiry, InquiryResult, ServerReport
 from rosoclingo.interfaces.interface_state import InterfaceHealth
 from rosoclingo.interfaces.link import ServerLink, new_goal_id, progress
 from rosoclingo.interfaces.memory import ActionMemory
@@ -108,7 +117,7 @@ class Interface(abc.ABC):
         self._memory = ActionMemory(memory, f"{rospy.get_name()} {name}")
         self._worker = worker
         self._attempts: Dict[Action, Attempt] = {}
-        self._sent = SentActions()
+        self._sent: Deque[Action] = deque(maxlen=REMEMBERED)  # the latest actions of the core
         self._server = server
         self._goal_class = type(action_type().action_goal.goal)
         self._link = ServerLink(server, action_type)
@@ -145,7 +154,7 @@ class Interface(abc.ABC):
                 commands.append(parse_command(fact, self.name))
             except CommandError as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
-        self._sent.add(commands)
+        self._sent.extend(command.action for command in commands if not command.cancels)
         for command in commands:
             self._guarded(functools.partial(self._obey, command, sender), self._attempts.get(command.action))
 
@@ -188,28 +197,38 @@ class Interface(abc.ABC):
                 raise TypeError(f"make_goal returned {goal!r}, not a {self._goal_class.__name__}")
             goal.serialize(io.BytesIO())  # an invalid value has to fail here: it would break rospy's publisher
         except RefusalError as error:
-            self._conclude(action, GoalEnd(error.reason, str(error)), sender)
+            refused = GoalEnd(error.reason, str(error))
         except Exception as error:  # noqa: BLE001 the core needs an answer even if a subclass fails
-            self._conclude(action, GoalEnd("bad_parameter", self._health.fault(error)), sender)
+            refused = GoalEnd("bad_parameter", self._health.fault(error))
         else:
-            attempt = self._attempts[action] = Attempt(action, goal, sender, self._limits, _now())
+            attempt = self._attempts[action] = Attempt(action, goal, sender, self._limits, _now(), self._repeatable)
             if known is not None:
                 rospy.logwarn("%s: a killed node had begun %s", self.name, action.atom)
                 attempt.goal_id = known.goal
-                self._inquire(attempt, self.make_check(action))
+                self._ask(attempt, self.make_check(action))
             self._settle()
+            return
+        self._publish(action, refused, self._answer(action, refused), sender)
+
+    def _ask(self, attempt: Attempt, check: Optional[Check]) -> None:
+        """Begin to ask about the attempt's goal, which a killed node or this one has sent."""
+        attempt.begin_asking(check, _now())
+        attempt.handle, attempt.stale_status = None, self._link.last_status
+        self._tracked(attempt)
 
     def _apply(self, attempt: Attempt, effect: Effect) -> None:
         if effect is Effect.SEND:
+            handle = self._tracked(attempt)
             if self._remembers(attempt.sender):
                 self._memory.note_begun(str(attempt.action.atom), attempt.goal_id)
-            self._link.send(self._tracked(attempt))
+            self._link.send(handle)
         if effect in (Effect.CANCEL, Effect.ABANDON):
             self._cancel(attempt)
         if effect in (Effect.FINISH, Effect.ABANDON):
             self._finish(attempt)
 
     def _tracked(self, attempt: Attempt) -> Any:
+        attempt.goal_id = attempt.goal_id or new_goal_id()
         if attempt.handle is None:
             attempt.handle = self._link.track(attempt.goal, attempt.goal_id, lambda: self._worker.put(_wake))
         return attempt.handle
@@ -219,18 +238,13 @@ class Interface(abc.ABC):
             self._link.cancel(attempt.handle)
 
     def _finish(self, attempt: Attempt) -> None:
-        ended, sent = attempt.conclusion, attempt.handle is not None and attempt.lost is None
-        asks = ended.status == LOST and attempt.lost is None and (sent or attempt.uncertain)
-        check = self.make_check(attempt.action) if asks else None
-        if check is None:
-            attempt.uncertain |= ended.status == LOST and sent
-            self._end(attempt, ended)
-        else:
-            attempt.lost, attempt.handle = ended, None
-            self._inquire(attempt, check)
-
-    def _end(self, attempt: Attempt, ended: GoalEnd) -> None:
-        action = attempt.action
+        if attempt.needs_check:
+            check = self.make_check(attempt.action)
+            if check is not None:
+                self._ask(attempt, check)
+                return
+            attempt.uncertain = True
+        action, ended = attempt.action, attempt.conclusion
         result = self._answer(action, ended)
         if attempt.should_retry(ended, result.value, self._retry_on):
             rospy.logwarn("%s: %s: %s; retrying", self.name, action.atom, in_words(ended, self._server))
@@ -238,9 +252,6 @@ class Interface(abc.ABC):
             return
         del self._attempts[action]
         self._publish(action, ended, result, attempt.sender)
-
-    def _conclude(self, action: Action, ended: GoalEnd, sender: Sender) -> None:
-        self._publish(action, ended, self._answer(action, ended), sender)
 
     def _answer(self, action: Action, ended: GoalEnd) -> Answer:
         try:
@@ -250,42 +261,6 @@ class Interface(abc.ABC):
             return found
         except Exception as error:  # noqa: BLE001 as in _begin
             return Answer(Function("failed"), warnings=(self._health.fault(error),))
-
-    # ---- actions of unknown outcome ---------------------------------------------------------------------------------
-
-    def _inquire(self, attempt: Attempt, check: Optional[Check]) -> None:
-        attempt.inquiry = Inquiry(check, attempt.limits.server_timeout, _now().wall)
-        attempt.stale_status = self._link.last_status
-        self._tracked(attempt)
-
-    def _continue_inquiry(self, attempt: Attempt, inquiry: Inquiry, now: Instant) -> None:
-        """Continue or end an attempt once its inquiry has a result."""
-        held = attempt.run.cancel_ignored  # the server can keep the goal for ever: check the world only
-        report = ServerReport.ABSENT if held else self._link.look_up(attempt.handle, attempt.stale_status)
-        finding = inquiry.look(report, now.wall)
-        if finding is InquiryResult.OPEN:
-            return
-        rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, finding.value)
-        attempt.inquiry = None
-        if finding in (InquiryResult.UNKNOWN, InquiryResult.NOT_DONE):
-            attempt.uncertain = finding is InquiryResult.UNKNOWN
-        if finding is InquiryResult.HELD:
-            self._resume(attempt, now)
-        elif finding is InquiryResult.DONE:
-            self._end(attempt, GoalEnd(SUCCEEDED, "it was already done"))
-        elif attempt.lost is not None:
-            self._end(attempt, attempt.lost)
-        elif finding is InquiryResult.UNKNOWN and (attempt.cancelled or not self._repeatable):
-            text = "a killed node had begun it, and its outcome is unknown"
-            self._end(attempt, GoalEnd(INTERRUPTED, text))
-        elif inquiry.used:
-            attempt.goal_id, attempt.handle = new_goal_id(), None
-
-    def _resume(self, attempt: Attempt, now: Instant) -> None:
-        """Resume the goal that the server has."""
-        attempt.lost, attempt.run = None, Run(attempt.limits, now)
-        attempt.run.handle(ActionEvent.SERVER_FOUND, now)
-        attempt.run.handle(ActionEvent.ACKNOWLEDGED, now)
 
     # ---- time and shutdown ----------------------------------------------------------------------------------------
 
@@ -299,21 +274,26 @@ class Interface(abc.ABC):
         return TICK if self._outbox.flush(now.wall) or self._attempts else IDLE_TICK
 
     def _tick(self, attempt: Attempt, now: Instant, gone: bool) -> None:
-        if attempt.inquiry is not None:
-            self._continue_inquiry(attempt, attempt.inquiry, now)
+        if attempt.phase is Phase.ASKING:
+            held = attempt.cancel_ignored  # the server can keep the goal for ever: check the world only
+            report = ActionEvent.SERVER_LOST if held else self._link.look_up(attempt.handle, attempt.stale_status)
+            outcome = attempt.ask(report, now)
+            if outcome:
+                rospy.loginfo("%s: %s: %s", self.name, attempt.action.atom, outcome)
+            if attempt.done:
+                self._finish(attempt)
             return
-        run = attempt.run
         for event in (self._event(attempt, gone), ActionEvent.CANCEL if attempt.cancelled else None):
-            if event is not None and not run.done:
-                self._apply(attempt, run.handle(event, now))
-        if run.phase is Phase.WAITING and self._link.starting and run.wait_on(now):
+            if event is not None and not attempt.done:
+                self._apply(attempt, attempt.process(event, now))
+        if attempt.phase is Phase.WAITING and self._link.starting and attempt.wait_on(now):
             rospy.loginfo("%s: waiting for the action server %s to start", self.name, self._server)
-        elif not run.done:
-            self._apply(attempt, run.tick(now))
+        elif not attempt.done:
+            self._apply(attempt, attempt.tick(now))
 
     def _event(self, attempt: Attempt, gone: bool) -> Optional[ActionEvent]:
         """Return the latest event of the server, None before the first."""
-        if attempt.run.phase is Phase.WAITING:
+        if attempt.phase is Phase.WAITING:
             return ActionEvent.SERVER_FOUND if self._link.connected and not attempt.cancelled else None
         if gone:
             return ActionEvent.SERVER_LOST
@@ -328,17 +308,12 @@ class Interface(abc.ABC):
         self._settle()  # goals that have ended get their own answers
         attempts = list(self._attempts.values())
         for attempt in attempts:
+            attempt.cancelled = True
             self._guarded(functools.partial(self._abort, attempt), attempt)
         self._link.wait_for_cancels([one.handle for one in attempts if one.handle is not None], CANCEL_PATIENCE)
 
     def _abort(self, attempt: Attempt) -> None:
-        if attempt.inquiry is not None:
-            self._cancel(attempt)
-        attempt.cancelled = True
-        if attempt.lost is not None:
-            self._end(attempt, attempt.lost)
-        else:
-            self._apply(attempt, attempt.run.handle(ActionEvent.SHUTDOWN, _now()))
+        self._apply(attempt, attempt.process(ActionEvent.SHUTDOWN, _now()))
 
     # ---- internal errors, which must not affect other interfaces of the worker --------------------------------------
 
@@ -363,7 +338,7 @@ class Interface(abc.ABC):
             rospy.logwarn("%s: %s: %s", self.name, action.atom, in_words(ended, self._server))
         self._health.note(succeeded, f"{action.atom}: {in_words(ended, self._server)}")
         done = succeeded if result.success is None else result.success
-        value = self._sent.value(action, result.value, done, self._knows)
+        value = return_value(action, result.value, done, self._was_sent)
         if value != result.value:
             text = "%s: %s returns %s, since its reason %s is the parameter of an action, which would mean success"
             rospy.logwarn(text, self.name, action.atom, value, result.value)
@@ -372,8 +347,8 @@ class Interface(abc.ABC):
             self._memory.note_answered(str(action.atom), tuple(facts))
         self._send(facts, reader)
 
-    def _knows(self, action: Action) -> bool:
-        return self._memory.recall(str(action.atom)) is not None
+    def _was_sent(self, action: Action) -> bool:
+        return action in self._sent or self._memory.recall(str(action.atom)) is not None
 
     def _send(self, facts: List[str], reader: Sender) -> None:
         """Send facts to the core; they wait only briefly for a core that announces no run, as it does not ask again."""

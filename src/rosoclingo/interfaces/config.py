@@ -31,8 +31,8 @@ import warnings
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Pattern, Sequence, Tuple
 
 from rosoclingo.common.reading import MISSING, Reader
-from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS, ActionLimits
 from rosoclingo.interfaces.answers import DEFAULT_RETURNS, SUCCEEDED, Rule, fact_fault, pattern_of
+from rosoclingo.interfaces.attempt import DEFAULT_LIMITS, ActionLimits
 from rosoclingo.interfaces.templates import ANSWER_NAMES, GOAL_NAMES, faults
 from rosoclingo.interfaces.values import TermError, read_term
 

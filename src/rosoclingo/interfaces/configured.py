@@ -9,9 +9,9 @@ import rospy
 from rosoclingo.common.labels import LabelTable, UnknownLabelError
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.answers import Answer, Rule, answer
+from rosoclingo.interfaces.attempt import Check
 from rosoclingo.interfaces.base import DEFAULT_MEMORY, Interface, RefusalError
 from rosoclingo.interfaces.config import InterfaceSpec
-from rosoclingo.interfaces.inquiry import Check
 from rosoclingo.interfaces.message_filling import FieldError, fill
 from rosoclingo.interfaces.templates import ActionScope, FillError, GoalEnd, evaluate
 from rosoclingo.interfaces.type_faults import load_type

@@ -1,7 +1,6 @@
 """Facts between the core and the interfaces: parse commands, write returns.  No ROS."""
 
-from collections import deque
-from typing import Callable, Deque, Iterable, NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional
 
 from clingo import Function, Symbol
 
@@ -60,33 +59,14 @@ class Sender(NamedTuple):
         return self.run is None and self.node != owner.node
 
 
-class SentActions:
-    """The latest actions that the core has sent, so that no reason of one reads as the success of another."""
+def return_value(action: Action, value: Symbol, succeeded: bool, was_sent: Callable[[Action], bool]) -> Symbol:
+    """Return the value of an action's return: its own parameter only for a success, never another action's.
 
-    def __init__(self) -> None:
-        self._actions: Deque[Action] = deque(maxlen=REMEMBERED)
-
-    def add(self, commands: Iterable[InterfaceCommand]) -> None:
-        """Remember the actions of the commands to run."""
-        self._actions.extend(command.action for command in commands if not command.cancels)
-
-    def clear(self) -> None:
-        """Forget all actions, when another run begins."""
-        self._actions.clear()
-
-    def value(self, action: Action, value: Symbol, succeeded: bool, is_known: Callable[[Action], bool]) -> Symbol:
-        """Return the value of an action's return: its own parameter only for a success, never another action's.
-
-        ``is_known`` returns whether the core has sent an action in this run.
-        """
-        if succeeded and value == action.parameter:
-            return value
-
-        def is_parameter(term: Symbol) -> bool:
-            other = action._replace(parameter=term)
-            return other in self._actions or is_known(other)
-
-        return failure_value(value, action.parameter, is_parameter)
+    ``was_sent`` returns whether the core has sent an action in this run.
+    """
+    if succeeded and value == action.parameter:
+        return value
+    return failure_value(value, action.parameter, lambda term: was_sent(action._replace(parameter=term)))
 
 
 def return_text(action: Action, value: Symbol) -> str:

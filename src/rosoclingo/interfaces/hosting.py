@@ -12,7 +12,7 @@ from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.reading import Reader, likely, read_yaml
 from rosoclingo.common.starting import node_arguments, run_node
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.action_runs import DEFAULT_LIMITS
+from rosoclingo.interfaces.attempt import DEFAULT_LIMITS
 from rosoclingo.interfaces.base import DEFAULT_MEMORY
 from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_values, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface
@@ -74,16 +74,11 @@ def _settings(names: Sequence[str]) -> Tuple[LabelTable, Tuple[InterfaceSpec, ..
     memory = given.at("memory").text(str(DEFAULT_MEMORY), empty=True)
     given.faults += entries.faults
     given.check(ConfigError)
-    _warn(labels, specs)
-    return labels, specs, Path(memory).expanduser() if memory else None
-
-
-def _warn(labels: LabelTable, specs: Tuple[InterfaceSpec, ...]) -> None:
-    """Warn of settings that are suspicious, but valid."""
-    for spec in specs:
-        if not labels and label_references(spec.goal):
+    for spec in specs if not labels else ():
+        if label_references(spec.goal):
             text = "%s: %s needs labels, but ~labels is empty: each of its actions will return unknown_label"
             rospy.logwarn(text, rospy.get_name(), spec.name)
+    return labels, specs, Path(memory).expanduser() if memory else None
 
 
 def _entries(given: Reader, say: Callable[..., None]) -> Reader:

@@ -1,7 +1,7 @@
 """The inbox of a node's interfaces: distributes the core's commands and announced runs."""
 
 import functools
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 
@@ -15,15 +15,6 @@ from rosoclingo.runs.topic_atoms import run_in
 OUT_TOPIC = "out_rosoclingo"
 
 
-class _Announced(NamedTuple):
-    run: str
-    connection: Any  # its header
-
-
-Read = Callable[[InterfaceIO, Sender], None]
-BeginRun = Callable[[str], None]
-
-
 class CommandInbox:
     """The subscriber shared by all interfaces of a worker; use it on the worker's thread.
 
@@ -32,23 +23,21 @@ class CommandInbox:
 
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
-        self._readers: Dict[str, Read] = {}
-        self._followers: List[BeginRun] = []
-        self._announced: Dict[str, _Announced] = {}  # by the sender's name
+        self._readers: Dict[str, Callable[[InterfaceIO, Sender], None]] = {}
+        self._followers: List[Callable[[str], None]] = []
+        self._announced: Dict[str, Tuple[str, Any]] = {}  # runs and headers of their connections, by the sender's name
         self._subscriber: Optional[rospy.Subscriber] = None
         worker.put(self._subscribe)
 
-    def add(self, name: str, read: Read, begin_run: BeginRun) -> None:
+    def add(self, name: str, read: Callable[[InterfaceIO, Sender], None], begin_run: Callable[[str], None]) -> None:
         """Add an interface: call ``read`` for messages with its ``name``, ``begin_run`` for each announced run."""
         self._readers[name] = read
         self._followers.append(begin_run)
 
     def hears(self, sender: Sender) -> bool:
         """Return whether the core of the sender's run is still connected, and still in that run."""
-        known = self._announced.get(sender.node)
-        if known is None or known.run != sender.run or self._subscriber is None:
-            return False
-        return is_connected(self._subscriber, known.connection)
+        run, connection = self._announced.get(sender.node, (None, None))
+        return run is not None and run == sender.run and is_connected(self._subscriber, connection)
 
     def _subscribe(self) -> None:
         self._subscriber = rospy.Subscriber(OUT_TOPIC, InterfaceIO, self._on_message)
@@ -63,14 +52,14 @@ class CommandInbox:
         node = header["callerid"]
         if message.interface == CORE:
             for run in filter(None, map(run_in, message.facts)):
-                self._announced[node] = _Announced(run, header)
+                self._announced[node] = run, header
                 limit_silence(self._subscriber, header)
                 for follow in self._followers:
                     follow(run)
         read = self._readers.get(message.interface)
         if read is not None:
-            known = self._announced.get(node)
-            read(message, Sender(node, known.run if known is not None and known.connection is header else None))
+            run, connection = self._announced.get(node, (None, None))
+            read(message, Sender(node, run if connection is header else None))
 
 
 @functools.lru_cache(maxsize=None)

@@ -13,8 +13,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import close_dead, connected_nodes, readers
-from rosoclingo.interfaces.action_runs import ActionEvent
-from rosoclingo.interfaces.inquiry import ServerReport
+from rosoclingo.interfaces.attempt import CANCELLED, ActionEvent
 from rosoclingo.interfaces.templates import GoalEnd
 
 # Seconds of wall time without a connection after which a server counts as gone.
@@ -32,9 +31,6 @@ STATUS_NAMES = {
     TerminalState.PREEMPTED: "preempted",
     TerminalState.RECALLED: "recalled",
 }
-
-#: The terminal statuses of a goal that its server has cancelled.
-CANCELLED = ("preempted", "recalled")
 
 _ACKNOWLEDGING = (
     CommState.PENDING,
@@ -132,18 +128,22 @@ class ServerLink:
         """The server's last status message, None before the first."""
         return self._client.last_status_msg
 
-    def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[ServerReport]:
-        """Return the server's report about a goal in a status message newer than `stale`; None before that message."""
+    def look_up(self, handle: ClientGoalHandle, stale: Any) -> Optional[ActionEvent]:
+        """Return what the server reports about an earlier goal in a status message newer than `stale`.
+
+        FOUND: it has the goal, or the result has arrived; ENDED: the result has not arrived; SERVER_LOST: it does not
+        know the goal. None before that message.
+        """
         if handle.get_comm_state() == CommState.DONE and handle.get_result() is not None:
-            return ServerReport.HELD
+            return ActionEvent.FOUND
         message = self._client.last_status_msg
         if message is None or message is stale or not self.connected:
             return None
         wanted = goal_id(handle)
         status = next((one.status for one in message.status_list if one.goal_id.id == wanted), None)
         if status is None:
-            return ServerReport.ABSENT
-        return ServerReport.ENDED if status in _ENDED else ServerReport.HELD
+            return ActionEvent.SERVER_LOST
+        return ActionEvent.ENDED if status in _ENDED else ActionEvent.FOUND
 
     def cancel(self, handle: ClientGoalHandle) -> None:
         """Cancel a goal, acknowledged or not."""

@@ -29,8 +29,8 @@ from rosgraph_msgs.msg import Log
 from rospy.topics import _PublisherImpl
 
 from rosoclingo.common.worker import Worker
-from rosoclingo.interfaces.action_runs import ActionLimits
 from rosoclingo.interfaces.answers import Answer
+from rosoclingo.interfaces.attempt import ActionLimits
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
 from rosoclingo.interfaces.hosting import InterfacesNode

@@ -3,8 +3,7 @@
 import pytest
 from clingo import Function
 
-from rosoclingo.interfaces.action_runs import ActionEvent, ActionLimits, Instant
-from rosoclingo.interfaces.attempt import Attempt
+from rosoclingo.interfaces.attempt import ActionEvent, ActionLimits, Attempt, Instant
 from rosoclingo.interfaces.facts import Sender
 from rosoclingo.interfaces.templates import GoalEnd
 from rosoclingo.reasoning.keywords import Action
@@ -21,7 +20,7 @@ def attempt(*events, ended=None, **limits):
 def after(one, *events, ended=None):
     one.ended = ended
     for event in events:
-        one.run.handle(event, NOW)
+        one.process(event, NOW)
     return one
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
-from rosoclingo.interfaces.action_runs import ActionLimits
+from rosoclingo.interfaces.attempt import ActionLimits
 from rosoclingo.interfaces.config import ConfigError, read_limits, read_values, survey
 
 SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"

@@ -7,7 +7,7 @@ from clingo import Function, Number, String
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.facts import CommandError, Sender, SentActions, parse_command, return_text
+from rosoclingo.interfaces.facts import CommandError, Sender, parse_command, return_text, return_value
 from rosoclingo.interfaces.values import (
     TermError,
     as_boolean,
@@ -58,10 +58,8 @@ TERMS = st.recursive(
 @given(st.lists(TERMS, min_size=1, max_size=4, unique=True), TERMS, st.data())
 def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data):
     actions = [Action(Function("drop"), parameter, 3) for parameter in parameters]
-    action, sent = data.draw(st.sampled_from(actions)), SentActions()
-    known = data.draw(st.sets(st.sampled_from(actions)))
-    sent.add(parse_command(str(one.atom), "drop") for one in actions if one not in known)
-    value = sent.value(action, reason, False, known.__contains__)
+    action = data.draw(st.sampled_from(actions))
+    value = return_value(action, reason, False, actions.__contains__)
     assert value not in parameters
     assert value == reason or reason in parameters or reason.arguments[-1] in parameters
     under_way = Dispatch(3, tuple(actions), 0.0)
@@ -82,13 +80,9 @@ def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data
     ],
 )
 def test_facts_keep_return_and_extra_facts_apart(reason, succeeded, value):
-    sent = SentActions()
-    sent.add(parse_command(f"_action_lib(drop,{what},3)", "drop") for what in ("left", "rejected"))
-    sent.add([parse_command("_action_lib(drop,right,2)", "drop")])
-    action = Action(Function("drop"), Function("rejected"), 3)
-    assert str(sent.value(action, read_term(reason), succeeded, lambda other: False)) == value
-    sent.clear()
-    assert str(sent.value(action, Function("left"), False, lambda other: False)) == "left"
+    sent = [Action(Function("drop"), Function(what), 3) for what in ("left", "rejected")]
+    action = sent[1]
+    assert str(return_value(action, read_term(reason), succeeded, sent.__contains__)) == value
 
 
 @pytest.mark.parametrize(

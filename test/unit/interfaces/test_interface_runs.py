@@ -1,19 +1,22 @@
 """The life of one goal: every event in every phase, deadlines, irregular clocks."""
 
 import pytest
+from clingo import Function
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosoclingo.interfaces.action_runs import (
+from rosoclingo.interfaces.attempt import (
     START_TIME,
     TRANSITIONS,
     ActionEvent,
     ActionLimits,
+    Attempt,
     Effect,
     Instant,
     Phase,
-    Run,
 )
+from rosoclingo.interfaces.facts import Sender
+from rosoclingo.reasoning.keywords import Action
 
 LIMITS = ActionLimits(timeout=10.0, server_timeout=5.0)
 START = Instant(100.0, 50.0)
@@ -27,10 +30,14 @@ WAYS = {
 }
 
 
+def goal_run(limits=LIMITS, now=START):
+    return Attempt(Action(Function("pick"), Function("cup"), 1), None, Sender("core", None), limits, now)
+
+
 def run_in(phase, limits=LIMITS, now=START):
-    run = Run(limits, now)
+    run = goal_run(limits, now)
     for event in WAYS[phase]:
-        run.handle(event, now)
+        run.process(event, now)
     assert run.phase is phase
     return run
 
@@ -40,7 +47,9 @@ def later(ros=0.0, wall=0.0):
 
 
 def test_goal_run_rejects_only_impossible_events():
-    illegal = {(phase, event) for phase in Phase for event in ActionEvent if event not in TRANSITIONS[phase]}
+    asking = (ActionEvent.FOUND, ActionEvent.DECIDED, ActionEvent.UNDECIDED)
+    phases, events = set(Phase) - {Phase.ASKING}, set(ActionEvent) - {*asking}
+    illegal = {(phase, event) for phase in phases for event in events if event not in TRANSITIONS[phase]}
     assert illegal == {
         (Phase.WAITING, ActionEvent.ACKNOWLEDGED),
         (Phase.WAITING, ActionEvent.ENDED),
@@ -51,6 +60,7 @@ def test_goal_run_rejects_only_impossible_events():
         (Phase.ENDING, ActionEvent.SERVER_FOUND),
         (Phase.YIELDING, ActionEvent.SERVER_FOUND),
     }
+    assert TRANSITIONS[Phase.ASKING].keys() == {*asking, ActionEvent.SHUTDOWN}
 
 
 @pytest.mark.parametrize(
@@ -75,17 +85,17 @@ def test_goal_run_rejects_only_impossible_events():
 )
 def test_goal_run_verdicts_follow_the_table(phase, event, verdict):
     run = run_in(phase)
-    run.handle(event, START)
+    run.process(event, START)
     assert run.verdict == verdict
 
 
 @given(st.lists(st.sampled_from(list(ActionEvent)), max_size=12))
 def test_goal_run_preemption_comes_only_from_the_server(events):
     """The run can report that nothing has happened only for a goal that was never sent."""
-    run, sent = Run(LIMITS, START), False
+    run, sent = goal_run(), False
     for event in events:
         if event in TRANSITIONS[run.phase]:
-            sent |= run.handle(event, START) is Effect.SEND
+            sent |= run.process(event, START) is Effect.SEND
     assert run.verdict != "preempted" or not sent
     assert not run.cancel_ignored or run.verdict in ("server_lost", "interface_lost")
 
@@ -132,7 +142,7 @@ def test_goal_run_waits_for_starting_server_with_one_report():
 
 def test_goal_run_timeout_counts_from_sending_and_ends_run():
     run = run_in(Phase.SENT)
-    run.handle(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
+    run.process(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
     assert not run.cancel_ignored
     assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
@@ -145,7 +155,7 @@ def test_goal_run_timeout_counts_from_sending_and_ends_run():
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
 def test_goal_run_waits_for_server_busy_with_others(phase):
     run = run_in(phase, LIMITS._replace(pause=2.0))
-    assert run.handle(ActionEvent.PREEMPTED, START) is Effect.NOTHING
+    assert run.process(ActionEvent.PREEMPTED, START) is Effect.NOTHING
     assert run.tick(later(1.9, 1000.0)) is Effect.NOTHING
     assert run.tick(later(2.0, 0.1)) is Effect.FINISH
 
@@ -154,12 +164,12 @@ def test_goal_run_waits_for_server_busy_with_others(phase):
     st.lists(st.one_of(st.sampled_from(list(ActionEvent)), st.tuples(st.floats(0, 20), st.floats(0, 20))), max_size=30)
 )
 def test_goal_run_ends_exactly_once(arrivals):
-    run, now, finished = Run(LIMITS, START), START, 0
+    run, now, finished = goal_run(), START, 0
     for happening in arrivals:
         if isinstance(happening, ActionEvent):
             if happening not in TRANSITIONS[run.phase]:
                 continue
-            effect = run.handle(happening, now)
+            effect = run.process(happening, now)
         else:
             now = Instant(now.ros + happening[0], now.wall + happening[1])
             effect = run.tick(now)
