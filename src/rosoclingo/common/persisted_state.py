@@ -58,18 +58,16 @@ class PersistedState:
         now = time.monotonic()
         if now >= self._check_at and self._value is not None:
             self._check_at = now + PERIOD
-            self._ask(self._set_if_lost)
+            self._ask(self._set)
         return PERIOD
 
     def _set(self) -> None:
+        """Set the parameter, unless the master has the value, or the node shuts down."""
         value = self._value
-        if value is not None:  # else the node shuts down
+        known = self._saved is value and self._master.getParam(self._node, self._parameter)[2] == value
+        if value is not None and not known:
             self._master.setParam(self._node, self._parameter, value)
             self._saved = value
-
-    def _set_if_lost(self) -> None:
-        if self._saved is not self._value or self._master.getParam(self._node, self._parameter)[2] != self._value:
-            self._set()
 
     def _ask(self, call: Callable[[], object]) -> None:
         try:

@@ -76,7 +76,10 @@ class Registration:
         lists = self._master.getSystemState(self._name)[2]
         listed = [{name for name, nodes in entries if self._name in nodes} for entries in lists]
         lacking = [{tuple(one) for one in own if one[0] not in names} for own, names in zip(self._seen, listed)]
-        before, self._lacking = self._lacking, [*lacking, _unheard(dict(lists[0]))]
+        _, subscriptions, _, heard = self._seen
+        publishers = dict(lists[0])
+        apart = {(*one, node) for one in subscriptions for node in {*publishers.get(one[0], ())} - heard[one[0]]}
+        before, self._lacking = self._lacking, [*lacking, apart]
         *missing, unheard = (now & then for now, then in zip(self._lacking, before))
         if ending():  # rospy removes its entries
             return
@@ -129,16 +132,6 @@ class Registration:
         for name, value in (self._parameters or {}).items():
             if not self._master.hasParam(self._name, name)[2]:
                 self._master.setParam(self._name, name, value)
-
-
-def _unheard(publishers: Dict[str, List[str]]) -> Entries:
-    """Return subscriptions with their types, each with a publisher that rospy is not connected to."""
-    topics = get_topic_manager()
-    return {
-        (topic, kind, node)
-        for topic, kind in topics.get_subscriptions()
-        for node in set(publishers.get(topic, ())) - connected_nodes(topics.get_subscriber_impl(topic))
-    }
 
 
 def _parameters(node: str) -> Dict[str, Any]:

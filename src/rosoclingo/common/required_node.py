@@ -79,15 +79,12 @@ def _started_by(uris: Any) -> Iterator[Dict[str, Any]]:
         with contextlib.suppress(*FAULTS):
             launch = api(uri)
             if launch.get_pid()[2] == os.getppid():
-                yield from (info for info in _processes(launch) if info.get("pid") == os.getpid())
+                for name in launch.get_node_names()[2]:
+                    with contextlib.suppress(xmlrpc.client.Error):  # it has no info of a master that it has started
+                        info = launch.process_info(name)[2]
+                        if info.get("pid") == os.getpid():
+                            yield info
             found.extend(launch.list_children()[2])
-
-
-def _processes(launch: Any) -> Iterator[Dict[str, Any]]:
-    """Yield the process info of a roslaunch's processes; it has none of a master that it has started."""
-    for name in launch.get_node_names()[2]:
-        with contextlib.suppress(xmlrpc.client.Error):
-            yield launch.process_info(name)[2]
 
 
 def _name() -> str:
