@@ -2,14 +2,13 @@
 
 import json
 import uuid
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Tuple
 
 import rospy
 from actionlib_msgs.msg import GoalID
 from std_srvs.srv import SetBool, Trigger
 
 from rosoclingo.msg import InterfaceIO, ROSoClingoActionGoal
-from rosoclingo.nodes.pages.order_desk import Reason
 from rosoclingo.runs.orders import OrderError
 from rosoclingo.srv import Explain
 
@@ -62,16 +61,15 @@ class CoreConnection:
         """Stop the core; return its answer."""
         return str(_call(self._stop).message)
 
-    def explain(self, key: str) -> Reason:
-        """Return why a goal has no plan; without lines if the core does not know."""
+    def explain(self, key: str) -> Tuple[List[str], str]:
+        """Return why a goal has no plan: the words of the rules that exclude it, and the whole explanation.
+
+        There are no words if the core does not know.
+        """
         answer = _call(self._explain, key)
-        lines = _lines_of(json.loads(answer.reason)) if answer.success else []
-        return Reason(lines, str(answer.message))
-
-
-def _lines_of(reason: Any) -> List[str]:
-    """Return the words of the rules that exclude a plan, each once."""
-    return list(dict.fromkeys(one["words"] or "a rule without words excludes it" for one in reason["rules"]))
+        rules = json.loads(answer.reason)["rules"] if answer.success else []
+        words = dict.fromkeys(one["words"] or "a rule without words excludes it" for one in rules)
+        return list(words), str(answer.message)
 
 
 def _check(publisher: rospy.Publisher) -> None:

@@ -69,11 +69,7 @@ class DemoSystem:
             except subprocess.TimeoutExpired:
                 continue
         _signal_group(self._process.pid, signal.SIGKILL)
-        self._repair_bag()
-
-    def _repair_bag(self) -> None:
-        """Repair the bag of a killed recorder."""
-        if unfinished_path(self.bag).exists():
+        if unfinished_path(self.bag).exists():  # the recorder was killed
             with suppress(BagError):
                 repair(self.bag, self.bag, "/record/notes")
 

@@ -44,18 +44,17 @@ class GoalClient:
             # actionlib's wait_for_server has its time-out in ROS time, which can stand still or not have begun
             status = self._client.last_status_msg
             server = "" if status is None else status._connection_header["callerid"]
-            if server and self._is_heard(server) and self._hears(server):
+            if server and self._is_connected(server):
                 self._watch = ServerWatch(server)
                 return True
             self.wait(0.02)
         return False
 
-    def _is_heard(self, server: str) -> bool:
-        return all(one.impl.has_connection(server) for one in (self._client.pub_goal, self._client.pub_cancel))
-
-    def _hears(self, server: str) -> bool:
-        subscribers = (self._client.feedback_sub, self._client.result_sub)
-        return all(is_delivered_to(rospy.get_name(), one.resolved_name, [server]) for one in subscribers)
+    def _is_connected(self, server: str) -> bool:
+        client, me = self._client, rospy.get_name()
+        heard = all(one.impl.has_connection(server) for one in (client.pub_goal, client.pub_cancel))
+        topics = (client.feedback_sub.resolved_name, client.result_sub.resolved_name)
+        return heard and all(is_delivered_to(me, topic, [server]) for topic in topics)
 
     @property
     def node(self) -> str:

@@ -65,7 +65,9 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
 
 def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     """Print the account of a core's system until Ctrl-C or the master's end, then the summary."""
-    name = rospy.resolve_name(core) if core else _find_core()
+    name = rospy.resolve_name(core or USUAL)
+    if not core:
+        name = chosen_core(rospy.get_published_topics(), name)
     words = words_of(name)  # first, as the first line can be about an action
     account, beginning = AccountNode(say, with_state, name, words), Beginning()
     try:
@@ -82,11 +84,6 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
 def _conclude(summary: Summary, say: Say) -> None:
     for line in ("", *summary.lines(), f"time: {summary.seconds:.1f} s"):
         say(line)
-
-
-def _find_core() -> str:
-    """Return the absolute name of the core with the default name, if it is running, or of the only core."""
-    return chosen_core(rospy.get_published_topics(), rospy.resolve_name(USUAL))
 
 
 def chosen_core(published: Iterable[Sequence[str]], usual: str) -> str:

@@ -98,14 +98,11 @@ class Account(RunView):
         packages = believed.things
         if places is not None:
             packages = {key: place or CARRIED for key, place in places["places"]}
-        robot, actions = self._robot(believed.robot), list(self.dispatched_actions)
+        position, actions = self.positions.get(""), list(self.dispatched_actions)
+        robot = self._place(position) if position is not None and self.about["labels"] else believed.robot
         robots = {name: self._place(position) for name, position in self.positions.items() if name}
         robots = robots or dict(believed.robots)
         return Summary(goals, actions, packages, robot, self.seconds, robots, self.sentences)
-
-    def _robot(self, believed: str) -> str:
-        position = self.positions.get("")
-        return believed if position is None or not self.about["labels"] else self._place(position)
 
     def _place(self, position: Point) -> str:
         labels = LabelTable(tuple(Label(name, *pose) for name, pose in self.about["labels"].items()))

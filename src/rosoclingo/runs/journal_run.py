@@ -12,7 +12,7 @@ from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Reset
 from rosoclingo.planning.history import AcceptedUpdate, entry_from_message
 from rosoclingo.reasoning.action_extractor import TaskPlan
-from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState
+from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal.database import Header, JournalError, Moment, history
 from rosoclingo.reasoning.journal.keeper import ClientGoal
 from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES, Action
@@ -77,19 +77,6 @@ def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
         raise RecordingError(f"{file}: {error}; take another copy of the journal") from None
 
 
-class _Clock:
-    """A clock that never goes back, even if simulated time did."""
-
-    def __init__(self) -> None:
-        self._now, self._last = 0.0, 0.0
-
-    def at(self, time: float) -> float:
-        """Return the seconds at the next record, whose time is ``time``."""
-        self._now += max(0.0, time - self._last)
-        self._last = time
-        return self._now
-
-
 class _Reader:
     """Reports the events between successive states.
 
@@ -101,7 +88,8 @@ class _Reader:
 
     def __init__(self, events: RunEvents, header: Header) -> None:
         """Report to ``events``, beginning with the program; raises RecordingError."""
-        self._events, self._clock = events, _Clock()
+        self._events = events
+        self._now = self._last = 0.0  # the time of the last state, which never goes back, and as it was recorded
         self._clients: Dict[str, ClientGoal] = {}  # of the last state
         self._returns: Set[str] = set()
         self._sent_returns = SentReturns()
@@ -117,7 +105,9 @@ class _Reader:
 
     def take(self, moment: Moment) -> None:
         """Process the next state and its time."""
-        state, time = moment.state, self._clock.at(moment.time)
+        self._now += max(0.0, moment.time - self._last)
+        self._last = moment.time
+        state, time = moment.state, self._now
         found: Dict[str, ClientGoal] = {key: _read_client(value) for key, value in group(state, "client").items()}
         dispatches: List[Dispatch] = _read_dispatches(state["execution:dispatches"])
         sent = [action for one in dispatches for action in one.actions]
@@ -196,12 +186,10 @@ class _Reader:
 
 def _status(client: ClientGoal, goal: Optional[Record]) -> Tuple[int, str]:
     """Return actionlib's number and the reason of a goal's state; ``goal`` is None if the core does not have it."""
+    number = client.state(None if goal is None else GoalState(goal["state"])).number
     if client.ending is not None:
-        return client.ending.state.number, client.ending.message
-    state = GoalState.PENDING if goal is None else GoalState(goal["state"])
-    if client.cancelled:
-        state = TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state)
-    return state.number, "for its turn" if goal is not None and goal["waits"] else ""
+        return number, client.ending.message
+    return number, "for its turn" if goal is not None and goal["waits"] else ""
 
 
 def _latest(state: Record) -> int:

@@ -193,14 +193,12 @@ class _Open:
         first = 1 if self.start is None or not cycles else cycles[0].cycle
         for expected, one in enumerate(cycles, first):
             if one.cycle != expected:
-                raise RecordingError(_missing_updates(expected, one.cycle - 1))
+                last = one.cycle - 1
+                missing = f"cycle {last}" if expected == last else f"cycles {expected} to {last}"
+                fix = "start the recorder before the first request (record:=true)" if expected == 1 else "see its notes"
+                text = f"the updates of {missing} are missing, so later cycles cannot be replayed: {fix}"
+                raise RecordingError(text)
         return RecordedRun(self.program, cycles, self.start)
-
-
-def _missing_updates(first: int, last: int) -> str:
-    cycles = f"cycle {first}" if first == last else f"cycles {first} to {last}"
-    fix = "start the recorder before the first request (record:=true)" if first == 1 else "see its notes"
-    return f"the updates of {cycles} are missing, so later cycles cannot be replayed: {fix}"
 
 
 class RunCollector(RunEvents):

@@ -4,11 +4,12 @@ A decision is correct if it is a plan of the program and its actions were dispat
 difference; a longer plan is explained if the core executed the best plan known in time.
 """
 
+import math
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, Iterator, List, NamedTuple, Optional, Sequence
 
 from clingo import Symbol
 
@@ -48,6 +49,9 @@ class CycleVerdict(Enum):
     SENT = "other actions were dispatched than planned"
     REFUSED = "an update that is refused now"
 
+
+#: Limit of unexplained cycles that a summary lists.
+LISTED = 10
 
 #: The verdicts for decisions that agree with the new search.
 AGREEING = (CycleVerdict.SAME, CycleVerdict.NONE, CycleVerdict.AS_SHORT)
@@ -233,14 +237,8 @@ class Replay:
         return "it is incomplete: each plan with its actions has further actions"
 
     def _search(self, update: StreamUpdate) -> SolveResult:
-        return self._solver.update(update, self._limit())
-
-    def _limit(self) -> Optional[Callable[[], bool]]:
-        """Return a function that ends a search after its time limit."""
-        if not self._search_time:
-            return None
-        end = time.process_time() + self._search_time
-        return lambda: time.process_time() >= end
+        end = time.process_time() + (self._search_time or math.inf)
+        return self._solver.update(update, lambda: time.process_time() >= end)
 
 
 def _actions(result: SolveResult, cycle: int) -> Actions:
@@ -256,13 +254,9 @@ def _shown(result: SolveResult) -> Optional[Shown]:
 
 def summary(reports: Sequence[CycleReport]) -> List[str]:
     """Return the totals of a run in lines."""
-    odd: List[CycleReport] = [report for report in reports if not report.explained]
+    odd = [str(report.cycle) for report in reports if not report.explained]
     found = Counter(report.verdict for report in reports)
     lines = [f"{found[verdict]:6d}  {verdict.value}" for verdict in CycleVerdict if found[verdict]]
-    end = f"{len(odd)} unexplained: cycles {_listed(odd)}" if odd else "no unexplained difference"
+    listed = ", ".join([*odd[:LISTED], *(["..."] if len(odd) > LISTED else [])])
+    end = f"{len(odd)} unexplained: cycles {listed}" if odd else "no unexplained difference"
     return [f"{len(reports)} cycles:", *lines, end]
-
-
-def _listed(reports: Sequence[CycleReport], most: int = 10) -> str:
-    numbers: Tuple[str, ...] = tuple(str(report.cycle) for report in reports[:most])
-    return ", ".join(numbers) + (", ..." if len(reports) > most else "")

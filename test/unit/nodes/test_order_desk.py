@@ -8,7 +8,7 @@ from published_runs import LABELS
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.pages import order_desk
-from rosoclingo.nodes.pages.order_desk import MOST_ASKED, MOST_COMMANDS, MOST_OPEN, OrderDesk, Reason
+from rosoclingo.nodes.pages.order_desk import MOST_ASKED, MOST_COMMANDS, MOST_OPEN, OrderDesk
 from rosoclingo.runs.orders import OrderError, read_orders
 from rosoclingo.runs.run_view import RunView
 
@@ -30,7 +30,7 @@ class Counter:
         self.view = RunView({"labels": LABELS})
         self.view.packages(0.0, [("1", "office2"), ("2", "")])
         self.sent, self.canceled, self.facts, self.commands = [], [], [], []
-        self.reason = Reason(["the door is shut"], "the rules")
+        self.reason = (["the door is shut"], "the rules")
         self.core = SimpleNamespace(
             send=lambda text: self.send(text),
             cancel=self.canceled.append,

@@ -8,7 +8,7 @@ from published_runs import LABELS, delivery
 from served_page import serving
 
 from rosoclingo.common.reading import Reader
-from rosoclingo.nodes.pages.order_desk import OrderDesk, Reason
+from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.runs.orders import OrderError, read_orders
 
 pytestmark = [pytest.mark.slow, pytest.mark.once]
@@ -32,7 +32,7 @@ class Desk:
     def __init__(self, served, page):
         self.view, self.served, self.page = served.view, served, page
         self.sent, self.canceled, self.facts, self.commands, self.faults = [], [], [], [], []
-        self.reason = Reason(["the door of office2 is shut"], "rooms.lp:1:1: :- shut(R,t).")
+        self.reason = (["the door of office2 is shut"], "rooms.lp:1:1: :- shut(R,t).")
         core = SimpleNamespace(
             send=self.send,
             cancel=self.canceled.append,
@@ -237,7 +237,7 @@ def test_page_shows_health_as_one_light(desk):
 
 
 def test_page_shows_hostile_texts_of_orders_as_text(desk):
-    desk.reason = Reason([HOSTILE], HOSTILE)
+    desk.reason = ([HOSTILE], HOSTILE)
     desk.choose(package="1", to="office2")
     desk.order()
     desk.served.do(lambda view: view.goal(141.0, "order 1", HOSTILE))

@@ -14,7 +14,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
 from rosoclingo.nodes.core.fact_intake import FactIntake
 from rosoclingo.nodes.core.gathering import TOGETHER, Gathering
-from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of, status_of
+from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
@@ -180,8 +180,8 @@ class CoreNode:
         self._results = Results(resumed=found.state is not None)
         self._worker = Worker(self._settle)
         self._unmet_goals = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
-        self._topics = CoreTopics(lambda: self._core.awaited, lambda: self._core.preempted, found.run, self._core.cycle)
-        self._topics.program_loaded(RunProgram.of(found.run, program, self._parameters.deciding).text())
+        described = RunProgram.of(found.run, program, self._parameters.deciding).text()
+        self._topics = CoreTopics(self._core, found.run, described)
         self._facts = FactIntake(self._core, self._register, self._worker, self._topics)
         self._problems, self._plan = LogThrottle(), None  # type: LogThrottle, Optional[PlanMade]
         self._diagnostics = Diagnostics(rospy.get_name().strip("/") + ": core", self._describe)
@@ -221,7 +221,7 @@ class CoreNode:
             self._plan_made(PlanMade(self._core.cycle, self._core.horizon, self._core.shown))
         self._send()
         try:
-            self._solvers.start(self._watch_start)
+            self._solvers.start(self._attend)
         except DroppedError as error:
             if not self._ending:
                 rospy.logwarn("%s", error)
@@ -230,7 +230,8 @@ class CoreNode:
     def _go_on_with_clients(self) -> None:
         """Restore the goals of a killed core before the server publishes a status."""
         for key, client in self._keeper.clients.items():
-            status = status_of(client, self._core.goal(key))
+            goal = self._core.goal(key)
+            status = client.state(None if goal is None else goal.state).number
             reason = "" if client.ending is None else client.ending.message
             handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status, reason)
             if client.ending is not None:
@@ -239,7 +240,7 @@ class CoreNode:
                 self._results.add(handle.get_goal_status(), result)
                 continue
             self._handles.add(key, handle)
-            if self._core.goal(key) is None:
+            if goal is None:
                 self._worker.put(partial(self._core.add_goal, key, client.text))
             if client.cancelled:
                 self._worker.put(partial(self._core.cancel_goal, key))
@@ -312,7 +313,10 @@ class CoreNode:
         self._core.poll(self._time())
         self._core.interfaces.look(time.monotonic())
         self._send()
-        while not self._ending and not self._gathers() and self._core.advance(self._time()):
+        while not self._ending:
+            gathers = self._gathering.waits(time.monotonic(), self._worker.waiting)
+            if gathers or not self._core.advance(self._time()):
+                break
             self._send()
             self._last_cycle = time.monotonic()
             if self._worker.waiting:  # a cancel that arrived during the search affects the next search
@@ -322,10 +326,6 @@ class CoreNode:
             self._core.prepare()
         now = rospy.get_time()
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
-
-    def _gathers(self) -> bool:
-        """Return whether the next update waits for facts, goals or cancels that have arrived or are expected."""
-        return self._gathering.waits(time.monotonic(), self._worker.waiting)
 
     def _send(self) -> None:
         self._keeper.send(keep_ends=self._results.awaited)
@@ -340,15 +340,11 @@ class CoreNode:
     def _time(self) -> float:
         return self._clock.at(rospy.get_time(), time.monotonic())
 
-    def _attend(self) -> None:
-        """Publish changes and take arrivals, also during a search."""
+    def _attend(self) -> bool:
+        """Publish changes and take arrivals, also during a search; return whether the core shuts down."""
         self._tick()
         if self._server.arrivals:
             self._take_arrivals()
-
-    def _watch_start(self) -> bool:
-        """Return whether the core shuts down while its solver starts."""
-        self._attend()
         return self._ending
 
     def _watch_improvement(self, now: float) -> Callable[[], bool]:

@@ -73,16 +73,14 @@ class FactIntake:
     def announce(self) -> None:
         """Pass the announcements to the core; called by the worker."""
         for _ in range(len(self._announcements)):
-            self._announce(self._announcements.popitem()[1])
-
-    def _announce(self, message: _Sent) -> None:
-        self._register.announce(message.node, message.interface)
-        self._core.interfaces.announce(message.interface)
-        key, outward = (message.node, message.interface), self._actions.connection_to(message.node)
-        before = self._connections.get(key, (None, None))
-        if len(self._connections) < MOST_ANNOUNCED:
-            self._connections[key] = message.connection, outward
-        if message.connection is not before[0]:
-            limit_silence(self._inlet, message.connection)
-            if outward is not None and outward is before[1]:
-                self._actions.send_again(message.interface)
+            key, message = self._announcements.popitem()
+            self._register.announce(*key)
+            self._core.interfaces.announce(message.interface)
+            outward = self._actions.connection_to(message.node)
+            before = self._connections.get(key, (None, None))
+            if len(self._connections) < MOST_ANNOUNCED:
+                self._connections[key] = message.connection, outward
+            if message.connection is not before[0]:
+                limit_silence(self._inlet, message.connection)
+                if outward is not None and outward is before[1]:
+                    self._actions.send_again(message.interface)

@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Sequence, Tuple
 
 import rospy
 from actionlib import ServerGoalHandle
@@ -12,8 +12,7 @@ from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.nodes.core.board import SHOWN, GoalBoard
 from rosoclingo.reasoning.events import GoalChanged, GoalProgress
-from rosoclingo.reasoning.goals import TRANSITIONS, Goal, GoalEvent, GoalState, Outcome
-from rosoclingo.reasoning.journal.keeper import ClientGoal
+from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action, shortened
 
 _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], None]] = {
@@ -146,14 +145,6 @@ class Results:
             return []
         messages, self._messages = self._messages, []
         return [one.status.goal_id.id for one in messages]
-
-
-def status_of(client: ClientGoal, goal: Optional[Goal]) -> int:
-    """Return actionlib's status of a goal; ``goal`` is None if the core has not received it yet, or it has ended."""
-    if client.ending is not None:
-        return client.ending.state.number
-    state = GoalState.PENDING if goal is None else goal.state
-    return (TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if client.cancelled else state).number
 
 
 def _set_remark(handle: ServerGoalHandle, remark: str) -> None:

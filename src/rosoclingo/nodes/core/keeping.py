@@ -25,7 +25,7 @@ PATIENCE = 10.0
 
 def find_journal(parameters: CoreParameters, program: ReactiveProgram) -> OpenedJournal:
     """Open the journal that the parameters name, and log the result; raises JournalError."""
-    run = _new_run()
+    run = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime()) + "-" + uuid.uuid4().hex[:8]  # unique, from its start (UTC)
     description = RunProgram.of(run, program, parameters.deciding).text()
     header = Header(run, program.fingerprint, _launch(), description)
     found = take_journal(_folder(parameters.journal, header.program), parameters.resume, header)
@@ -67,8 +67,3 @@ def _launch() -> str:
     """Return an id that a node shares only with its respawned instances; empty without roslaunch."""
     by_roslaunch = any(word.startswith("__log:=") for word in sys.argv)
     return f"{rospy.get_param('/run_id', '')} {os.getppid()}" if by_roslaunch else ""
-
-
-def _new_run() -> str:
-    """Return a unique id of a run, which begins with its start time (UTC)."""
-    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime()) + "-" + uuid.uuid4().hex[:8]

@@ -80,9 +80,10 @@ def core_parameters(values: Optional[Mapping[str, Any]] = None) -> CoreParameter
         overtaking_limit=given.at("overtaking_limit").whole(defaults.overtaking_limit, low=0),
         learn_durations=given.at("learn_durations").flag(defaults.learn_durations),
     )
+    constants = given.at("constants").entries("a map of names to values, {offices: 4}", {})
     found = CoreParameters(
         program_files=_files(given.at("program_files")),
-        constants={name: _term(value, str(value.value)) for name, value in _constants(given.at("constants"))},
+        constants={name: _term(value, str(value.value)) for name, value in constants},
         labels=_labels(given.at("labels")),
         places=_places(given.at("labels").value),
         settings=settings,
@@ -153,10 +154,6 @@ def _files(reader: Reader) -> Tuple[str, ...]:
         if not Path(name).is_file():
             reader.fault(f"there is no file '{name}'")
     return names
-
-
-def _constants(reader: Reader) -> List[Tuple[str, Reader]]:
-    return reader.entries("a map of names to values, {offices: 4}", {})
 
 
 def _labels(reader: Reader) -> Tuple[str, ...]:

@@ -1,6 +1,6 @@
 """The publishers of the core: actions for the interfaces, plans and stream updates."""
 
-from typing import Any, Callable, Dict, Iterable, List, Set, Tuple
+from typing import Any, Dict, Iterable, List, Set, Tuple
 
 import rospy
 from clingo import Symbol
@@ -8,6 +8,7 @@ from std_msgs.msg import String, UInt32
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import InterfaceIO, State, TaskPlan
+from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, Mode, PlanMade, StateChanged, UpdateSent
 from rosoclingo.reasoning.keywords import CORE, Action, run_of
 
@@ -15,18 +16,11 @@ from rosoclingo.reasoning.keywords import CORE, Action, run_of
 class CoreTopics:
     """The topics of the core; use them on the worker only.
 
-    ``awaited`` returns the running actions, ``preempted`` those of them that were cancelled, ``run`` is the id of the
-    run, which starts or resumes at ``cycle``.
+    ``program`` is the text of the program and of all parameters that affect decisions.
     """
 
-    def __init__(
-        self,
-        awaited: Callable[[], Tuple[Action, ...]],
-        preempted: Callable[[], Tuple[Action, ...]],
-        run: str,
-        cycle: int,
-    ) -> None:
-        self._awaited, self._preempted = awaited, preempted
+    def __init__(self, core: Core, run: str, program: str) -> None:
+        self._core = core
         self._running: Tuple[InterfaceIO, ...] = ()
         self._look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
@@ -34,11 +28,12 @@ class CoreTopics:
         self._task_plan = prompt_publisher("~task_plan", TaskPlan, 10, latch=True)
         self._state = prompt_publisher("~state", State, 10, latch=True)
         self._program = prompt_publisher("~program", String, 1, latch=True)
+        self._program.publish(String(program))
         self._updates = prompt_publisher("~updates", String)
         self._cycle = prompt_publisher("~cycle", UInt32, 10, latch=True)
         self._mode = prompt_publisher("~mode", String, 1, latch=True)
         self._last_cycle = 0
-        self._publish_cycle(cycle)
+        self._publish_cycle(core.cycle)
 
     @property
     def listeners(self) -> Set[str]:
@@ -51,10 +46,6 @@ class CoreTopics:
 
     def _greeting(self) -> Tuple[InterfaceIO, ...]:
         return (self._run, *self._running)
-
-    def program_loaded(self, text: str) -> None:
-        """Publish the program and all parameters that affect decisions."""
-        self._program.publish(String(text))
 
     def update_sent(self, event: UpdateSent) -> None:
         """Publish a stream update."""
@@ -108,8 +99,8 @@ class CoreTopics:
 
     def _look(self) -> None:
         """Update the messages for new subscribers."""
-        wanted = _messages((action, action.atom) for action in self._awaited())
-        self._running = (*wanted, *_messages((action, action.cancellation) for action in self._preempted()))
+        wanted = _messages((action, action.atom) for action in self._core.awaited)
+        self._running = (*wanted, *_messages((action, action.cancellation) for action in self._core.preempted))
 
 
 def _messages(facts: Iterable[Tuple[Action, Symbol]]) -> Tuple[InterfaceIO, ...]:

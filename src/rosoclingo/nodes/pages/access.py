@@ -1,10 +1,9 @@
-"""Access control of the live page."""
+"""Access control of the live page: hosts and tokens."""
 
 import hashlib
 import hmac
 import re
 from typing import FrozenSet, Optional
-from urllib.parse import urlsplit
 
 #: Host names of this machine.
 LOCAL = frozenset({"127.0.0.1", "localhost", "::1"})
@@ -13,7 +12,7 @@ _HOST = re.compile(r"(\[[0-9a-fA-F:.]+\]|[\w.-]+)(:\d{1,5})?\Z")
 
 
 class Access:
-    """Checks hosts, tokens and origins of requests: viewers on other machines need a token.
+    """Checks hosts and tokens of requests: viewers on other machines need a token.
 
     ``token`` is empty for a page on this machine only. Then the page accepts only this machine's host names, so that no
     page of another site can reach it through its own host name.
@@ -37,11 +36,3 @@ class Access:
     def is_proof(self, proof: str) -> bool:
         """Return whether this ``proof``, which a browser stores in place of the token, is valid."""
         return not self.proof or hmac.compare_digest(proof.encode("utf-8"), self.proof.encode("utf-8"))
-
-    @staticmethod
-    def is_same_origin(origin: Optional[str], host: str) -> bool:
-        """Return whether the request comes from a page of this host; browsers always send ``Origin``."""
-        try:
-            return origin is not None and urlsplit(origin).netloc.lower() == host.lower()
-        except ValueError:  # not a URL
-            return False

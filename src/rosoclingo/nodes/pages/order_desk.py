@@ -3,7 +3,7 @@
 import hmac
 import threading
 from collections import OrderedDict
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Union
+from typing import Any, Callable, Dict, Mapping, Sequence, Union
 
 from rosoclingo.runs.orders import OrderError, OrderForm
 from rosoclingo.runs.run_view import RunView
@@ -18,13 +18,6 @@ Answer = Dict[str, Any]
 
 #: An answer, or a function that waits for it, for another thread.
 Taken = Union[Answer, Callable[[], Answer]]
-
-
-class Reason(NamedTuple):
-    """Why a goal has no plan: lines in words, and the whole explanation with its rules."""
-
-    lines: List[str]
-    details: str
 
 
 class OrderDesk:

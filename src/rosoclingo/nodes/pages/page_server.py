@@ -7,6 +7,7 @@ import socket
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
@@ -225,7 +226,9 @@ class _Viewer(_PlainErrors, WebSocketHandler):
 
     def check_origin(self, origin: str) -> bool:
         """Return whether the request comes from a page of this server."""
-        return Access.is_same_origin(origin, self.request.host)
+        with suppress(ValueError):  # not a URL
+            return super().check_origin(origin)
+        return False
 
     def prepare(self) -> None:
         """Refuse requests without access, and viewers above the limit."""

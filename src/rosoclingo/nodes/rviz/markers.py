@@ -137,10 +137,8 @@ class MarkersNode:
         """Return the panel below the map, with texts that are readable in a view of the whole map."""
         below, factor = NOWHERE, 1.0
         if self._bounds is not None:
-            below, factor = (
-                ((self._bounds[0] + self._bounds[2]) / 2.0, self._bounds[1], HEIGHT),
-                text_factor(self._bounds),
-            )
+            left, lower, right, _ = self._bounds
+            below, factor = ((left + right) / 2.0, lower, HEIGHT), text_factor(self._bounds)
         return Panel(self._top or below, self._pose.map_frame, self._size or factor)
 
     def _shapes(self, panel: Panel) -> List[Shape]:

@@ -98,7 +98,8 @@ class ScenarioPlayer:
         server = f"no action server {USUAL}"
         self.wait_until(lambda: self._connection.is_connected_to(self._core), timeout, lambda: server)
         self.wait_until(lambda: self._node.connected, timeout, lambda: "no connection to the core's topics")
-        self._put_packages(timeout)
+        for package, label in self._scenario.packages.items():
+            call_service("office/put_package", {"package": package, "location": label}, timeout)
 
     def finish(self) -> Summary:
         """End the account, and return its summary."""
@@ -185,10 +186,6 @@ class ScenarioPlayer:
         else:
             raise PlayError(f"{event}: no goal {event.value} was sent before")
 
-    def _put_packages(self, timeout: float) -> None:
-        for package, label in self._scenario.packages.items():
-            call_service("office/put_package", {"package": package, "location": label}, timeout)
-
     def wait_until(self, condition: Callable[[], bool], timeout: float, missing: Callable[[], str]) -> None:
         """Wait for a condition, at most ``timeout`` s of wall time; raises PlayError with the text of ``missing``."""
         end = time.monotonic() + timeout
@@ -202,14 +199,14 @@ class ScenarioPlayer:
         self._begun.setdefault(message.cycle, rospy.get_time())
         self._plans += 1
 
+    def _on_status(self, _message: GoalStatusArray, name: str) -> None:
+        self._missing.discard(name)
+
     def _on_update(self, message: String) -> None:
         if self._start is not None and self.before is None:
             with suppress(OclingoError):
                 step = parse_update(message.data).step
                 self.before = None if step is None else step - 1
-
-    def _on_status(self, _message: GoalStatusArray, name: str) -> None:
-        self._missing.discard(name)
 
 
 def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) -> None:

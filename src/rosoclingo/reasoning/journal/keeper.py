@@ -5,7 +5,7 @@ from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 from rosoclingo.reasoning.aborted_goals import AbortedGoals
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import Event, GoalChanged, GoalUnmet, Observer
-from rosoclingo.reasoning.goals import GoalState, Outcome
+from rosoclingo.reasoning.goals import TRANSITIONS, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.records import ChangeRecorder, PersistentPart, Record, record_of, tables
 
@@ -33,6 +33,13 @@ class ClientGoal(NamedTuple):
     stamp: Tuple[int, int]
     cancelled: bool = False
     ending: Optional[Ending] = None
+
+    def state(self, in_core: Optional[GoalState]) -> GoalState:
+        """Return the state of the goal for its client; ``in_core`` is None if the core does not have the goal."""
+        if self.ending is not None:
+            return self.ending.state
+        state = in_core or GoalState.PENDING
+        return TRANSITIONS.get((state, GoalEvent.CANCEL_REQUEST), state) if self.cancelled else state
 
 
 class Keeper(PersistentPart):
