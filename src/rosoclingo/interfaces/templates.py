@@ -15,7 +15,7 @@ stands for any characters of an ASP string: `heard("${text}",now)`.
 """
 
 import re
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Match, NamedTuple, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -71,7 +71,9 @@ def evaluate(template: Any, scope: ActionScope) -> Any:
     whole = _WHOLE.match(template)
     if whole:
         return _lookup(whole.group(1) or whole.group(2), scope)
-    return _INSIDE.sub(lambda match: _substitute(match, scope), template)
+    return _INSIDE.sub(
+        lambda match: "$" if match.group(0) == "$$" else _inner_text(_lookup(match.group(1), scope)), template
+    )
 
 
 def is_reference(template: Any) -> bool:
@@ -178,12 +180,6 @@ def _one_term(reference: str, value: Any, joined: bool) -> str:
     except TermError:
         fix = f'write "${{{reference}}}", within quotes, for an ASP string'
         raise FillError(f"${{{reference}}} is {shortened(text)!r}, which is not a term: {fix}") from None
-
-
-def _substitute(match: Match[str], scope: ActionScope) -> str:
-    if match.group(0) == "$$":
-        return "$"
-    return _inner_text(_lookup(match.group(1), scope))
 
 
 def _inner_text(value: Any) -> str:

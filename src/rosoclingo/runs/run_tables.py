@@ -184,13 +184,12 @@ class Track:
         if self._measured is None or way >= APART:  # less can be noise of a standing robot
             self.metres += way
             self._measured = (x, y)
-        if self._recorded is not None and not self._moved(*self._recorded, x, y, yaw):
-            return False
+        if self._recorded is not None:
+            last_x, last_y, last_yaw = self._recorded
+            turned = abs(math.remainder(yaw - last_yaw, math.tau))
+            if math.hypot(x - last_x, y - last_y) < self._apart and turned < TURNED:
+                return False
         self._recorded, self._count = (x, y, yaw), self._count + 1
         if self._count % self._most == 0:
             self._apart *= 2.0
         return True
-
-    def _moved(self, last_x: float, last_y: float, last_yaw: float, x: float, y: float, yaw: float) -> bool:
-        turned = abs(math.remainder(yaw - last_yaw, math.tau))
-        return math.hypot(x - last_x, y - last_y) >= self._apart or turned >= TURNED

@@ -63,7 +63,8 @@ class RobotFiles(CheckExtension):
         """Check the files, also against the program if it is readable."""
         files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
-        labels, specs = list(_label_names(self._labels)), _specs(self._interfaces)
+        labels = list(_label_names(self._labels))
+        specs = self._interfaces.value or {} if self._interfaces is not None else {}
         actions = None if program is None else Actions(program)
         self._driven = _driven(specs, () if actions is None else actions.parameters)
         queries = _label_queries(self._driven)
@@ -108,10 +109,6 @@ class RobotFiles(CheckExtension):
 
 def _read(name: Optional[str], read: Callable[[Reader], T]) -> Optional[YamlFile[T]]:
     return YamlFile(name, read) if name else None
-
-
-def _specs(file: Optional[Interfaces]) -> Dict[str, InterfaceSpec]:
-    return {} if file is None else file.value or {}
 
 
 def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:

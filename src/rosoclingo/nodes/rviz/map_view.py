@@ -6,6 +6,7 @@ from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
+from rosoclingo.runs.map_image import known_part
 from rosoclingo.runs.planar_frames import yaw_of
 
 USUAL = WIDTH  # width of a map for which texts and arrows have their default size
@@ -28,11 +29,10 @@ class MapView(NamedTuple):
 
 def known_bounds(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
     """Return the bounds of a map's known cells (int8, -1 unknown), else of the map; ``origin``: x, y (m), yaw (rad)."""
-    rows, columns = np.nonzero(cells >= 0)
-    if not len(rows):
-        rows, columns = np.array([0, cells.shape[0] - 1]), np.array([0, cells.shape[1] - 1])
-    along = np.array([columns.min(), columns.max() + 1, columns.min(), columns.max() + 1]) * resolution
-    across = np.array([rows.min(), rows.min(), rows.max() + 1, rows.max() + 1]) * resolution
+    row, column, known = known_part(cells)
+    height, width = known.shape
+    along = np.array([column, column + width, column, column + width]) * resolution
+    across = np.array([row, row, row + height, row + height]) * resolution
     c, s = math.cos(origin[2]), math.sin(origin[2])
     x, y = origin[0] + c * along - s * across, origin[1] + s * along + c * across
     return float(x.min()), float(y.min()), float(x.max()), float(y.max())
