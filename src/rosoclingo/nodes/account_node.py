@@ -9,7 +9,7 @@ from genpy.message import get_message_class
 
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.nodes.run_topics import PATHS, TYPES, RunTopics
-from rosoclingo.runs.account import Account, Summary
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
@@ -72,11 +72,10 @@ class AccountNode:
                 self._take(*self._arrived.get_nowait())
         self.account.clock(rospy.get_time())
 
-    def finish(self) -> Summary:
-        """End the account: print delayed lines, and return the summary."""
+    def finish(self) -> None:
+        """End the account: print delayed lines."""
         self.tick()
         self.account.finish()
-        return self.account.summary
 
     def _on_message(self, message: Any, topic: str) -> None:
         self._arrived.put((rospy.get_time(), topic, message))

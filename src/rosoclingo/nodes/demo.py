@@ -113,9 +113,9 @@ def demo(scenario: Scenario, folder: Path, arguments: List[str], say: Callable[[
             recording=lambda: is_recording(RECORDED),
         )
         rospy.signal_shutdown("the scenario is over")
-        for line in ("", *outcome.summary.lines(), *_verdict(scenario, outcome)):
+        for line in ("", *outcome.account.summary(), *_verdict(scenario, outcome)):
             say(line)
-    say(f"time: {outcome.summary.seconds:.1f} s simulated, {time.monotonic() - began:.1f} s in all")
+    say(f"time: {outcome.account.seconds:.1f} s simulated, {time.monotonic() - began:.1f} s in all")
     say(f"bag: {system.bag}")
     say(_report(scenario, outcome, system.bag))
     return outcome

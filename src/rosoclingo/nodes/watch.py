@@ -14,7 +14,7 @@ from rosoclingo.nodes.recording.bag_reader import read_bag
 from rosoclingo.nodes.server_watch import Beginning, missing_master
 from rosoclingo.nodes.words import words_of
 from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
-from rosoclingo.runs.account import Account, Summary
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.topic_names import USUAL
 
@@ -60,7 +60,7 @@ def watch_bag(path: Path, core: Optional[str], with_state: bool, say: Say) -> No
     with suppress(KeyboardInterrupt):
         read_bag(path, core, account, TOPICS)
     account.finish()
-    _conclude(account.summary, say)
+    _conclude(account, say)
 
 
 def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
@@ -69,20 +69,21 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     if not core:
         name = chosen_core(rospy.get_published_topics(), name)
     words = words_of(name)  # first, as the first line can be about an action
-    account, beginning = AccountNode(say, with_state, name, words), Beginning()
+    node, beginning = AccountNode(say, with_state, name, words), Beginning()
     try:
         while not rospy.is_shutdown():
-            account.tick(_TURN)
+            node.tick(_TURN)
             line = beginning.line()
             if line:
                 say(line)
     except KeyboardInterrupt:
         pass
-    _conclude(account.finish(), say)
+    node.finish()
+    _conclude(node.account, say)
 
 
-def _conclude(summary: Summary, say: Say) -> None:
-    for line in ("", *summary.lines(), f"time: {summary.seconds:.1f} s"):
+def _conclude(account: Account, say: Say) -> None:
+    for line in ("", *account.summary(), f"time: {account.seconds:.1f} s"):
         say(line)
 
 

@@ -23,8 +23,8 @@ _ROBOTS, _THINGS, _CARRYING = ("at", "robot_at"), ("at", "thing_at"), ("carries"
 _ROBOT = "robot"
 
 
-class BelievedPlaces(NamedTuple):
-    """The robot's place, empty if it is not shown, the places of things (a label or CARRIED), and of several robots.
+class Places(NamedTuple):
+    """The robot's place, empty if it is unknown, the places of things (a label or CARRIED), and of several robots.
 
     A thing on one of several robots has the name of the robot as its place.
     """
@@ -34,7 +34,7 @@ class BelievedPlaces(NamedTuple):
     robots: Mapping[str, str] = {}
 
 
-def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> BelievedPlaces:
+def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSet[str]) -> Places:
     """Return the places of robot and things while ``atoms`` hold."""
     drawn = drawings.of(atoms, labels)
     robots = [one.labels[0] for one in drawn if one.kind is DrawingKind.ROBOT]
@@ -47,7 +47,7 @@ def believed_places(atoms: Sequence[str], drawings: Drawings, labels: AbstractSe
     common = list(_common(atoms, labels))
     robots = robots or [place for thing, place in common if thing == _ROBOT]
     others = {thing: place for thing, place in common if thing != _ROBOT}
-    return BelievedPlaces(robots[0] if robots and not names else "", things or others, names)
+    return Places(robots[0] if robots and not names else "", things or others, names)
 
 
 def _common(atoms: Sequence[str], labels: AbstractSet[str]) -> Iterator[Tuple[str, str]]:

@@ -19,7 +19,6 @@ from std_msgs.msg import String
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.scenarios import player as scenario_player
-from rosoclingo.nodes.scenarios import playing
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.account import Account
 from rosoclingo.runs.scenario import Scenario
@@ -108,17 +107,19 @@ class ScenarioPlayerTest(unittest.TestCase):
 
         expect = {"packages": {"1": "office1"}}
         tell()
-        self.assertTrue(account.summary.differences(expect))
-        player = ScenarioPlayer(read(SCENARIO), [], print, tell)
-        playing.wait_for_news(player, lambda: account.summary, expect)
-        self.assertEqual(account.summary.differences(expect), [])
+        self.assertTrue(account.differences(expect))
+        player = ScenarioPlayer(read(f"{{events: [], expect: {expect}}}"), [], print, tell)
+        player.account = account
+        player.play()
+        self.assertEqual(account.differences(expect), [])
 
     def test_scenario_ends_if_expected_news_never_come(self):
         account, expect = Account(print), {"robot": "office1"}
-        with mock.patch.object(playing, "LATE_NEWS", 0.2):
-            player = ScenarioPlayer(read(SCENARIO), [], print)
-            playing.wait_for_news(player, lambda: account.summary, expect)
-        self.assertEqual(account.summary.differences(expect), ["robot: expected office1, found "])
+        with mock.patch.object(scenario_player, "LATE_NEWS", 0.2):
+            player = ScenarioPlayer(read(f"{{events: [], expect: {expect}}}"), [], print)
+            player.account = account
+            player.play()
+        self.assertEqual(account.differences(expect), ["robot: expected office1, found "])
 
 
 if __name__ == "__main__":

@@ -64,36 +64,36 @@ def transforms(*found):
 def test_account_names_place_by_label_of_program(account, take, topic, message):
     take(topic, message, 1.0)
     take("~program", program(), 1.1)
-    assert account.summary.robot == "kitchen"
+    assert account.places.robot == "kitchen"
     take("~state", state("at(hall,now)"), 1.2)
-    assert account.summary.robot == "kitchen", "a measured position has priority"
+    assert account.places.robot == "kitchen", "a measured position has priority"
 
 
 def test_account_names_no_place_between_labels(account, take):
     take("~program", program(), 1.0)
     take("amcl_pose", posed(3.0, 3.0), 1.1)
-    assert account.summary.robot == "away from every label"
+    assert account.places.robot == "away from every label"
     take("/tf", transforms(("odom", "base_link", 1.0, 2.0)), 1.2)
-    assert account.summary.robot == "away from every label", "nothing says where odom is"
+    assert account.places.robot == "away from every label", "nothing says where odom is"
 
 
 @pytest.mark.parametrize("labels", [LABELS, {}])
 def test_account_reads_places_that_the_program_shows(account, take, labels):
     take("~program", program(labels=labels), 1.0)
     take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
-    assert account.summary.robot == "kitchen"
-    assert account.summary.packages == {"cup": "hall", "mug": "carried"}
+    assert account.places.robot == "kitchen"
+    assert account.places.things == {"cup": "hall", "mug": "carried"}
     expect = {"robot": "kitchen", "packages": {"cup": "hall"}}
-    assert account.summary.differences(expect) == []
+    assert account.differences(expect) == []
     take("~state", state("at(hall,now)"), 1.2)
-    assert account.summary.differences(expect) != []
+    assert account.differences(expect) != []
     take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.3)
-    assert account.summary.packages == {"1": "hall"}, "the topic of packages has priority"
+    assert account.places.things == {"1": "hall"}, "the topic of packages has priority"
 
 
 def test_account_counts_cycles_from_start_of_scenario(account, take):
     take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
     take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
     expect = {"actions": ["_action_lib(go,x,1)"]}
-    assert account.summary.differences(expect, 6) == []
-    assert account.summary.differences(expect) != []
+    assert account.differences(expect, 6) == []
+    assert account.differences(expect) != []

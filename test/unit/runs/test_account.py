@@ -56,8 +56,8 @@ def test_account_counts_seconds_from_first_request_or_action(first, account, lin
     account.goal(13.0, "a", "g(1)")
     account.returned(19.5, "go", ["_return(go,y,1)"])
     account.finish()
-    assert account.summary.seconds == (6.5 if first == "goal" else 7.0)
-    assert float(lines[-1].split()[0]) == account.summary.seconds
+    assert account.seconds == (6.5 if first == "goal" else 7.0)
+    assert float(lines[-1].split()[0]) == account.seconds
 
 
 def test_account_orders_events_across_topics(account, lines):
@@ -125,7 +125,7 @@ def test_account_has_a_summary(account):
     account.packages(12.1, [("3", "office2"), ("2", ""), ("5", "office3"), ("4", "office1"), ("1", "office2")])
     account.program(12.1, RunProgram("r", (), {}, "", {"labels": {"office2": [1.0, 2.0]}}).text())
     account.pose(12.1, 1.1, 2.1, 0.0)
-    assert account.summary.lines() == [
+    assert account.summary() == [
         "goal(office2,office1,1): done",
         "packages carried: 2",
         "packages office1: 4",
@@ -134,15 +134,15 @@ def test_account_has_a_summary(account):
         "robot: office2",
         "actions: move_base office2",
     ]
-    assert account.summary.seconds == pytest.approx(1.1)
+    assert account.seconds == pytest.approx(1.1)
 
 
 def test_account_lists_differences(account):
     run(account)
     account.packages(12.1, [("1", "office2")])
-    assert account.summary.differences({}) == []
-    assert account.summary.differences({"goals": ["active"], "robot": "", "packages": {"1": "office2"}}) == []
-    found = account.summary.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
+    assert account.differences({}) == []
+    assert account.differences({"goals": ["active"], "robot": "", "packages": {"1": "office2"}}) == []
+    found = account.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
     assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]
 
 
@@ -152,8 +152,8 @@ def test_account_differences_skip_earlier_goal_that_ends_late():
     account.goal(1.0, "new", "g(2)")
     account.goals(2.0, [GoalReport("old", "g(1)", 5, ""), GoalReport("new", "g(2)", 3, "")])
     expect = {"goals": ["succeeded"]}
-    assert account.summary.differences(expect, sent=["new"]) == []
-    assert account.summary.differences(expect) != []
+    assert account.differences(expect, sent=["new"]) == []
+    assert account.differences(expect) != []
 
 
 def test_account_counts_resent_action_again_only_in_another_run(account, lines):
@@ -161,7 +161,7 @@ def test_account_counts_resent_action_again_only_in_another_run(account, lines):
         account.begin(run)
         account.dispatched(1.0, ["_action_lib(go,x,1)"])
     account.finish()
-    assert account.summary.actions == ["_action_lib(go,x,1)"] * 2
+    assert account.dispatched_actions == ["_action_lib(go,x,1)"] * 2
     assert [line.split()[-2:] for line in lines if " action " in line] == [["go", "x"]] * 2
 
 
@@ -189,8 +189,8 @@ def test_account_can_begin_during_a_run(account, lines):
         ["413", "request", "g(4)"],
         ["413", "goal", "g(2): done"],
     ]
-    assert [goal["request"] for goal in account.summary.goals] == ["g(2)", "g(3)", "g(4)"]
-    assert account.summary.lines()[-1] == "actions: go y"
+    assert [goal["request"] for goal in account.goal_records] == ["g(2)", "g(3)", "g(4)"]
+    assert account.summary()[-1] == "actions: go y"
 
 
 def test_account_reports_the_state_on_request(lines):
@@ -208,6 +208,6 @@ def test_account_reports_the_state_on_request(lines):
 
 def test_account_summary_of_many_actions_names_latest(account):
     account.dispatched(0.0, [f"_action_lib(go,{number},{number})" for number in range(1, 101)])
-    last = account.summary.lines()[-1]
+    last = account.summary()[-1]
     assert last.startswith("actions: 100, the last 40 of them go 61, go 62")
     assert last.endswith("go 100")

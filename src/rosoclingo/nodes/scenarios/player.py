@@ -17,7 +17,6 @@ from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
-from rosoclingo.runs.account import Summary
 from rosoclingo.runs.orders import OrderError
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -31,6 +30,9 @@ STILL = 60.0
 
 #: Limit in seconds, of wall time and of ROS time, for a further cycle once all goals have ended.
 QUIET = 30.0
+
+#: Limit in seconds of wall time by which other topics can be later than the goals' status.
+LATE_NEWS = 5.0
 
 
 class PlayError(RuntimeError):
@@ -101,12 +103,19 @@ class ScenarioPlayer:
         for package, label in self._scenario.packages.items():
             call_service("office/put_package", {"package": package, "location": label}, timeout)
 
-    def finish(self) -> Summary:
-        """End the account, and return its summary."""
-        return self._node.finish()
+    def finish(self) -> None:
+        """End the account."""
+        self._node.finish()
+
+    def differences(self) -> List[str]:
+        """Return the differences of the run from the scenario's expectations."""
+        return self.account.differences(self._scenario.expect, self.before or 0, self.goals)
 
     def play(self) -> None:
-        """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout."""
+        """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout.
+
+        Topics arrive independently: the expected end can be at most LATE_NEWS seconds later.
+        """
         waiting = list(self._scenario.events)
         self._start = rospy.get_time()
         self._begun = dict.fromkeys(self._begun, self._start)
@@ -130,6 +139,8 @@ class ScenarioPlayer:
                     f"scenario, and no further cycle began within {QUIET:g} s"
                 )
             self._turn()
+        with suppress(PlayError):  # then the run does not end as expected
+            self.wait_until(lambda: not self.differences(), LATE_NEWS, lambda: "not as expected")
 
     @property
     def _reached(self) -> int:

@@ -1,23 +1,19 @@
 """Reads a scenario, plays it with an account of the run, and compares the end with its expectations."""
 
-from contextlib import suppress
 from pathlib import Path
-from typing import Any, Callable, List, Mapping, NamedTuple
+from typing import Callable, List, NamedTuple
 
 import rospkg
 
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
-from rosoclingo.runs.account import Summary
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.scenario import Scenario, ScenarioError
-
-#: Limit in seconds of wall time by which other topics can be later than the goals' status.
-LATE_NEWS = 5.0
 
 
 class ScenarioOutcome(NamedTuple):
     """The end of a scenario: ``faults`` is empty if it was played to its end and ended as expected."""
 
-    summary: Summary
+    account: Account
     faults: List[str]
 
 
@@ -55,18 +51,7 @@ def run_scenario(
         player.prepare(timeout)
         player.wait_until(recording, timeout, lambda: "the recorder is not connected")
         player.play()
-        wait_for_news(player, lambda: player.account.summary, scenario.expect)
     except PlayError as error:
         faults.append(str(error))
-    summary = player.finish()
-    return ScenarioOutcome(summary, faults + summary.differences(scenario.expect, player.before or 0, player.goals))
-
-
-def wait_for_news(player: ScenarioPlayer, summary: Callable[[], Summary], expect: Mapping[str, Any]) -> None:
-    """Wait, at most LATE_NEWS seconds, until the summary has the expected end: topics arrive independently."""
-    with suppress(PlayError):  # then the run did not end as expected
-        player.wait_until(
-            lambda: not summary().differences(expect, player.before or 0, player.goals),
-            LATE_NEWS,
-            lambda: "not as expected",
-        )
+    player.finish()
+    return ScenarioOutcome(player.account, faults + player.differences())
