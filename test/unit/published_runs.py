@@ -3,6 +3,7 @@
 import numpy as np
 
 from rosoclingo.runs.map_image import map_image
+from rosoclingo.runs.planar_frames import Pose
 from rosoclingo.runs.run_view import RunView
 
 LABELS = {"office1": [1.0, 1.0, 0.0], "office2": [5.0, 1.0, 0.0]}
@@ -24,7 +25,7 @@ def delivery(program=None):
         view.program(90.0, program)
     cells = np.zeros((40, 120), np.int8)
     cells[0] = cells[-1] = cells[:, 0] = cells[:, -1] = 100
-    view.floor(map_image(cells.ravel().tolist(), 120, 0.05, (0.0, 0.0, 0.0)))
+    view.floor(map_image(cells.ravel().tolist(), 120, 0.05, Pose(0.0, 0.0, 0.0)))
     view.plan(90.0, 1, 1, [], (0.1, 0.0))
     view.pose(90.0, 1.0, 1.0, 0.0)
     view.packages(90.0, [("1", "office2"), ("2", "office1")])

@@ -5,7 +5,7 @@ import re
 from typing import Any, Callable, Dict, Iterable, List, Set, Tuple
 
 from rosoclingo.common.labels import DEFAULT_FRAME
-from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+from rosoclingo.runs.planar_frames import PlanarFrames, Pose
 
 #: Frames of a robot, the most common first.
 BASES = ("base_link", "base_footprint")
@@ -60,13 +60,11 @@ class PoseTopics:
 
     def _pose(self, topic: str, time: float, message: Any) -> None:
         pose = message.pose.pose
-        turn = pose.orientation
-        self._at(topic, time, Pose(pose.position.x, pose.position.y, yaw_of(turn.x, turn.y, turn.z, turn.w)))
+        self._at(topic, time, Pose.of(pose.position, pose.orientation))
 
     def _transforms(self, time: float, message: Any) -> None:
         for one in message.transforms:
-            move, turn = one.transform.translation, one.transform.rotation
-            pose = Pose(move.x, move.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+            pose = Pose.of(one.transform.translation, one.transform.rotation)
             self._frames.place(one.header.frame_id, one.child_frame_id, pose)
             frame = one.child_frame_id.lstrip("/")
             prefixed = _BASE_OF_ROBOT.match(frame)

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, Optional
 from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
 from rosoclingo.runs.events import GoalReport, RunEvents
-from rosoclingo.runs.planar_frames import yaw_of
+from rosoclingo.runs.planar_frames import Pose
 from rosoclingo.runs.recorded_run import problem_in
 from rosoclingo.runs.sentences import actors_of
 from rosoclingo.runs.topic_atoms import action_in, run_in
@@ -110,8 +110,7 @@ def _image(message: Any) -> Optional[Dict[str, Any]]:
     """Return the image of a nav_msgs/OccupancyGrid, None for a grid without cells."""
     from rosoclingo.runs.map_image import map_image  # noqa: PLC0415 accounts have no map, and need no numpy
 
-    info, corner, turn = message.info, message.info.origin.position, message.info.origin.orientation
+    info, origin = message.info, message.info.origin
     if not message.data or len(message.data) != info.height * info.width:
         return None
-    pose = (corner.x, corner.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
-    return map_image(message.data, info.width, info.resolution, pose)
+    return map_image(message.data, info.width, info.resolution, Pose.of(origin.position, origin.orientation))

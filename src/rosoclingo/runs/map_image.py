@@ -8,6 +8,8 @@ from typing import Any, Dict, Sequence, Tuple
 
 import numpy as np
 
+from rosoclingo.runs.planar_frames import Pose
+
 #: The values of a map (nav_msgs/OccupancyGrid) up to which a cell is free, and from which it is occupied.
 FREE, OCCUPIED = 25, 65
 
@@ -18,12 +20,10 @@ LONGEST = 2048
 PALETTE = ((255, 255, 255, 0), (128, 128, 128, 72), (52, 60, 74, 255))
 
 
-def map_image(
-    cells: Sequence[int], width: int, resolution: float, origin: Tuple[float, float, float]
-) -> Dict[str, Any]:
+def map_image(cells: Sequence[int], width: int, resolution: float, origin: Pose) -> Dict[str, Any]:
     """Return a map (int8, rows of ``width`` cells from the origin on, -1 unknown) as an image for a page.
 
-    ``origin`` is the pose of the first cell's corner (m, rad). The result has the image as a ``data:`` URL, its
+    ``origin`` is the pose of the first cell's corner. The result has the image as a ``data:`` URL, its
     ``corner`` (x, y of its lower left, m), ``yaw`` (rad), ``width`` and ``height`` (m).
     """
     row, column, known = known_part(np.array(cells, dtype=np.int8).reshape(-1, width))
@@ -32,12 +32,10 @@ def map_image(
     whole = np.pad(kinds, [(0, -size % factor) for size in kinds.shape], constant_values=1)
     high, wide = (size // factor for size in whole.shape)
     pixels = whole.reshape(high, factor, wide, factor).max(axis=(1, 3))  # the maximum preserves thin walls
-    c, s = math.cos(origin[2]), math.sin(origin[2])
-    along, across = column * resolution, row * resolution
     return {
         "image": "data:image/png;base64," + base64.b64encode(_png(pixels[::-1])).decode("ascii"),
-        "corner": [origin[0] + c * along - s * across, origin[1] + s * along + c * across],
-        "yaw": origin[2],
+        "corner": list(origin.outward(column * resolution, row * resolution)),
+        "yaw": origin.yaw,
         "width": wide * factor * resolution,
         "height": high * factor * resolution,
     }

@@ -1,7 +1,7 @@
 """Transforms between frames on the floor: a planar tf buffer without ROS."""
 
 import math
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 #: Limit of transforms between two frames.
 DEEP = 50
@@ -14,10 +14,16 @@ class Pose(NamedTuple):
     y: float
     yaw: float
 
+    @classmethod
+    def of(cls, position: Any, turn: Any) -> "Pose":
+        """Return the pose of a position and a unit quaternion, objects with ``x``, ``y``, ``z`` and ``w``."""
+        x, y, z, w = turn.x, turn.y, turn.z, turn.w
+        return cls(position.x, position.y, math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
-def yaw_of(x: float, y: float, z: float, w: float) -> float:
-    """Return the heading (rad) of a unit quaternion."""
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    def outward(self, x: Any, y: Any) -> Tuple[Any, Any]:
+        """Return a point, or arrays of coordinates, in the frame of this pose as seen from outside."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return self.x + c * x - s * y, self.y + s * x + c * y
 
 
 class PlanarFrames:
@@ -39,6 +45,5 @@ class PlanarFrames:
             if here not in self._parents:
                 return None
             here, outer = self._parents[here]
-            c, s = math.cos(outer.yaw), math.sin(outer.yaw)
-            pose = Pose(outer.x + c * pose.x - s * pose.y, outer.y + s * pose.x + c * pose.y, outer.yaw + pose.yaw)
+            pose = Pose(*outer.outward(pose.x, pose.y), outer.yaw + pose.yaw)
         return None

@@ -10,14 +10,15 @@ from nav_msgs.msg import OccupancyGrid
 from rosoclingo.nodes.rviz.map_view import FRAME, bounds_of, known_bounds, text_factor, view_of, with_robots, with_view
 from rosoclingo.nodes.rviz.panel import LETTERS, LINES, Panel
 from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, larger, text_width
+from rosoclingo.runs.planar_frames import Pose
 
 
 def test_map_view_crops_an_unknown_margin():
     cells = np.full((1600, 2000), -1, dtype=np.int8)
     cells[300:1100, 400:1600] = 0
-    assert known_bounds(cells, 0.05, (-20.0, -30.0, 0.0)) == pytest.approx((0.0, -15.0, 60.0, 25.0))
-    assert known_bounds(np.full((10, 20), -1, dtype=np.int8), 0.5, (1.0, 2.0, 0.0)) == pytest.approx((1, 2, 11, 7))
-    assert known_bounds(cells[:, ::-1].T, 0.05, (0.0, 0.0, 0.0)) == pytest.approx((15.0, 20.0, 55.0, 80.0))
+    assert known_bounds(cells, 0.05, Pose(-20.0, -30.0, 0.0)) == pytest.approx((0.0, -15.0, 60.0, 25.0))
+    assert known_bounds(np.full((10, 20), -1, dtype=np.int8), 0.5, Pose(1.0, 2.0, 0.0)) == pytest.approx((1, 2, 11, 7))
+    assert known_bounds(cells[:, ::-1].T, 0.05, Pose(0.0, 0.0, 0.0)) == pytest.approx((15.0, 20.0, 55.0, 80.0))
 
 
 def test_map_view_handles_a_turned_map():

@@ -7,10 +7,11 @@ import pytest
 
 from rosoclingo.runs import map_image as module
 from rosoclingo.runs.map_image import LONGEST
+from rosoclingo.runs.planar_frames import Pose
 
 
 def map_image(cells, resolution, origin):
-    return module.map_image(cells.ravel().tolist(), cells.shape[1], resolution, origin)
+    return module.map_image(cells.ravel().tolist(), cells.shape[1], resolution, Pose(*origin))
 
 
 def picture(found):

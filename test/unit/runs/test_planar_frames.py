@@ -1,8 +1,9 @@
 import math
+from types import SimpleNamespace
 
 import pytest
 
-from rosoclingo.runs.planar_frames import PlanarFrames, Pose, yaw_of
+from rosoclingo.runs.planar_frames import PlanarFrames, Pose
 
 
 def test_frame_is_found_through_intermediate_frames():
@@ -23,4 +24,5 @@ def test_frame_that_is_unconnected_or_cyclic_is_not_found():
 
 
 def test_frame_heading_is_computed():
-    assert yaw_of(0.0, 0.0, math.sin(0.4), math.cos(0.4)) == pytest.approx(0.8)
+    turn = SimpleNamespace(x=0.0, y=0.0, z=math.sin(0.4), w=math.cos(0.4))
+    assert Pose.of(SimpleNamespace(x=1.0, y=2.0), turn) == pytest.approx((1.0, 2.0, 0.8))

@@ -1,13 +1,12 @@
 """rviz's configuration for a map and robots: the view of the map, the size of texts, and displays. Lengths in m."""
 
-import math
 from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from rosoclingo.nodes.rviz.panel import HEIGHT, WIDTH
 from rosoclingo.runs.map_image import known_part
-from rosoclingo.runs.planar_frames import yaw_of
+from rosoclingo.runs.planar_frames import Pose
 
 USUAL = WIDTH  # width of a map for which texts and arrows have their default size
 PROPORTION = 1.4  # a window's width divided by its height
@@ -27,14 +26,13 @@ class MapView(NamedTuple):
     scale: float
 
 
-def known_bounds(cells: np.ndarray, resolution: float, origin: Tuple[float, float, float]) -> Bounds:
-    """Return the bounds of a map's known cells (int8, -1 unknown), else of the map; ``origin``: x, y (m), yaw (rad)."""
+def known_bounds(cells: np.ndarray, resolution: float, origin: Pose) -> Bounds:
+    """Return the bounds of a map's known cells (int8, -1 unknown), else of the map, from its ``origin`` on."""
     row, column, known = known_part(cells)
     height, width = known.shape
     along = np.array([column, column + width, column, column + width]) * resolution
     across = np.array([row, row, row + height, row + height]) * resolution
-    c, s = math.cos(origin[2]), math.sin(origin[2])
-    x, y = origin[0] + c * along - s * across, origin[1] + s * along + c * across
+    x, y = origin.outward(along, across)
     return float(x.min()), float(y.min()), float(x.max()), float(y.max())
 
 
@@ -42,8 +40,7 @@ def bounds_of(message: Any) -> Bounds:
     """Return the bounds of a nav_msgs/OccupancyGrid's known cells; edges near the map's edge move to that edge."""
     info = message.info
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
-    turn, corner = info.origin.orientation, info.origin.position
-    origin = (corner.x, corner.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+    origin = Pose.of(info.origin.position, info.origin.orientation)
     inner, outer = (known_bounds(one, info.resolution, origin) for one in (cells, np.zeros_like(cells)))
     near = NEAR * text_factor(inner)
     x0, y0, x1, y1 = (edge if abs(edge - own) <= near else own for own, edge in zip(inner, outer))
