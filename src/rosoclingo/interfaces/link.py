@@ -24,14 +24,6 @@ WRITING_GRACE = 5.0
 
 RESULTS = 100  # limit of cached results of this node's goals, the latest
 
-STATUS_NAMES = {
-    TerminalState.SUCCEEDED: "succeeded",
-    TerminalState.ABORTED: "aborted",
-    TerminalState.REJECTED: "rejected",
-    TerminalState.PREEMPTED: "preempted",
-    TerminalState.RECALLED: "recalled",
-}
-
 _ACKNOWLEDGING = (
     CommState.PENDING,
     CommState.ACTIVE,
@@ -42,7 +34,7 @@ _ACKNOWLEDGING = (
 
 _CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_RESULT, CommState.DONE)
 
-_ENDED = (*STATUS_NAMES, GoalStatus.LOST)
+_OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.RECALLING)
 
 
 class ServerLink:
@@ -143,7 +135,7 @@ class ServerLink:
         status = next((one.status for one in message.status_list if one.goal_id.id == wanted), None)
         if status is None:
             return ActionEvent.SERVER_LOST
-        return ActionEvent.ENDED if status in _ENDED else ActionEvent.FOUND
+        return ActionEvent.FOUND if status in _OPEN else ActionEvent.ENDED
 
     def cancel(self, handle: ClientGoalHandle) -> None:
         """Cancel a goal, acknowledged or not."""
@@ -178,8 +170,8 @@ def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[
         return ActionEvent.ACKNOWLEDGED, None
     if state != CommState.DONE:
         return None, None
-    status = STATUS_NAMES.get(handle.get_terminal_state())
-    if status is None:
+    status = TerminalState.to_string(handle.get_terminal_state()).lower()
+    if status == "lost":
         return ActionEvent.SERVER_LOST, None
     ended = GoalEnd(status, handle.get_goal_status_text(), handle.get_result())
     return ActionEvent.PREEMPTED if status in CANCELLED else ActionEvent.ENDED, ended

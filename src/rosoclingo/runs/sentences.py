@@ -143,14 +143,10 @@ class Sentences:
         if state.startswith("waiting"):
             return state
         word, _, remark = state.partition(": ")
-        doing = ", ".join(map(self.of, actions_now(cycle, plan)))
+        actions = (one for one in map(action_in, plan) if one is not None and one.cycle == cycle)
+        doing = ", ".join(map(self.of, actions))
         said = f"{doing} ({remark})" if doing and remark else doing or remark or "nothing to do now"
         return f"is cancelled: {said}" if word in _CANCELLING else said
-
-
-def actions_now(cycle: int, plan: Iterable[str]) -> List[Action]:
-    """Return the actions of a cycle in a plan's texts."""
-    return [one for one in filter(None, map(action_in, plan)) if one.cycle == cycle]
 
 
 def actors_of(action: Action) -> List[str]:

@@ -171,9 +171,9 @@ class CoreNode:
             lambda: ProcessSolver(self._solvers),
             self._keeper,
             self._parameters.settings,
-            self._watch_search,
-            self._watch_recovery,
-            None if plan_time is None else self._watch_joining,
+            lambda: self._watch(self._parameters.settings.search_timeout, self._why_useless),
+            lambda: self._watch(self._parameters.recovery_timeout, lambda spent: None),
+            None if plan_time is None else lambda: self._watch(0.0, self._why_late),
             record=found.state,
         )
         self._keeper.attach(self._core, found.state)
@@ -359,34 +359,24 @@ class CoreNode:
 
         return look
 
-    def _watch_search(self) -> Callable[[], Optional[Halt]]:
-        """Return a watch that ends a search after its timeout, or if a cancel or the shutdown makes it useless."""
-        start = time.monotonic()
+    def _why_useless(self, spent: float) -> Optional[Halt]:
+        """Return why a search of ``spent`` seconds of wall time is useless: a cancel, or the shutdown."""
+        if self._ending:
+            return Halt("the core shuts down", disturbed=True)
+        why = self._core.queue.why_interrupted(self._cancels, bool(self._arrivals))
+        return Halt(why, disturbed=True) if why and spent >= CANCEL_GRACE else None
 
-        def look() -> Optional[Halt]:
-            """Return why the search has to end now, None while it can continue."""
-            if self._ending:
-                return Halt("the core shuts down", disturbed=True)
-            why = self._core.queue.why_interrupted(self._cancels, bool(self._arrivals))
-            return Halt(why, disturbed=True) if why and time.monotonic() - start >= CANCEL_GRACE else None
+    def _why_late(self, spent: float) -> Optional[Halt]:
+        """Return why a search for a plan with new goals would delay the next action, after ``spent`` seconds."""
+        return Halt(f"it took longer than {JOINING:g} s") if self._ending or spent >= JOINING else None
 
-        return self._watching(look, self._parameters.settings.search_timeout)
-
-    def _watch_recovery(self) -> Callable[[], Optional[Halt]]:
-        """Return a watch that ends the search for goals to abort after its timeout."""
-        return self._watching(lambda: None, self._parameters.recovery_timeout)
-
-    def _watch_joining(self) -> Callable[[], Optional[Halt]]:
-        """Return a watch that ends the search for a plan with new goals, so that the next action is not delayed."""
-        start, late = time.monotonic(), Halt(f"it took longer than {JOINING:g} s")
-        return self._watching(lambda: late if self._ending or time.monotonic() - start >= JOINING else None)
-
-    def _watching(self, look: Callable[[], Optional[Halt]], seconds: float = 0.0) -> Callable[[], Optional[Halt]]:
+    def _watch(self, seconds: float, look: Callable[[float], Optional[Halt]]) -> Callable[[], Optional[Halt]]:
         """Return a watch that publishes changes and takes arrivals during a search.
 
-        It ends the search if ``look`` does, or after ``seconds`` of processor time, 0 for no limit.
+        It ends the search if ``look`` does, whose argument is the wall time spent, or after ``seconds`` of processor
+        time, 0 for no limit.
         """
-        queue = self._core.queue
+        queue, start = self._core.queue, time.monotonic()
         worked, limit = self._solvers.stopwatch(), seconds * queue.patience
 
         def watch() -> Optional[Halt]:
@@ -394,7 +384,7 @@ class CoreNode:
             self._attend()
             if self._commands.waiting:
                 return Halt("an operator's command has arrived", disturbed=True)
-            halt = look()
+            halt = look(time.monotonic() - start)
             if halt is None and 0 < limit <= worked():
                 if not queue.unhurried:
                     halt = Halt(f"it took longer than {limit:g} s")
@@ -432,7 +422,7 @@ class CoreNode:
         self._plan = event
 
     def _return_taken(self, event: ReturnAccepted) -> None:
-        self._topics.return_taken(event)
+        self._topics.look()
         self._register.answered(return_of(event.atom).interface_name)
 
     def _log_problem(self, event: Problem) -> None:

@@ -1,6 +1,7 @@
 """The action server of the core, which reports goals to clients once they are in the journal."""
 
 from collections import deque
+from functools import partial
 from typing import Any, Callable, Deque, NamedTuple
 
 import rospy
@@ -68,13 +69,11 @@ class GoalServer(ActionServer):  # type: ignore[misc]
 
     def internal_goal_callback(self, goal: Any) -> None:
         """Queue a goal; called by rospy."""
-        take = super().internal_goal_callback
-        self._put(goal, goal.goal_id.id, lambda: take(goal), is_goal=True)
+        self._put(goal, goal.goal_id.id, partial(super().internal_goal_callback, goal), is_goal=True)
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
         """Queue a cancel; called by rospy."""
-        take = super().internal_cancel_callback
-        self._put(goal_id, goal_id.id, lambda: take(goal_id), is_goal=False)
+        self._put(goal_id, goal_id.id, partial(super().internal_cancel_callback, goal_id), is_goal=False)
 
     def _put(self, message: Any, key: str, take: Callable[[], None], is_goal: bool) -> None:
         """Queue an arrival, once its node is below its limit."""

@@ -138,13 +138,9 @@ def _check_constants(program: ReactiveProgram, given: Mapping[str, str]) -> None
 
 def _resume(reader: Reader) -> str:
     """Return one of RESUMES; YAML reads two of these words as true and false."""
-    words = {True: "yes", False: "no", **{word: word for word in RESUMES}}
-
-    def read(value: Any) -> Optional[str]:
-        """Return the word of a value, None for an invalid value."""
-        return words.get(value) if isinstance(value, (bool, str)) else None
-
-    return str(reader.read("one of {}".format(", ".join(RESUMES)), read, CoreParameters.resume, RESUMES[0]))
+    if isinstance(reader.value, bool):
+        reader = reader.holding("yes" if reader.value else "no")
+    return reader.choice(RESUMES, CoreParameters.resume)
 
 
 def _files(reader: Reader) -> Tuple[str, ...]:

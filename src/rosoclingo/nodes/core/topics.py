@@ -22,7 +22,7 @@ class CoreTopics:
     def __init__(self, core: Core, run: str, program: str) -> None:
         self._core = core
         self._running: Tuple[InterfaceIO, ...] = ()
-        self._look()
+        self.look()
         self._run = InterfaceIO(CORE, [str(run_of(run))])
         self._out = prompt_publisher("out_rosoclingo", InterfaceIO, greeting=self._greeting)
         self._task_plan = prompt_publisher("~task_plan", TaskPlan, 10, latch=True)
@@ -83,7 +83,7 @@ class CoreTopics:
         self._send((action, action.cancellation) for action in event.actions)
 
     def _send(self, facts: Iterable[Tuple[Action, Symbol]]) -> None:
-        self._look()
+        self.look()
         for message in _messages(facts):
             self._out.publish(message)
 
@@ -93,12 +93,8 @@ class CoreTopics:
             if message.interface == interface:
                 self._out.publish(message)
 
-    def return_taken(self, _event: object) -> None:
-        """Update the running actions after a return."""
-        self._look()
-
-    def _look(self) -> None:
-        """Update the messages for new subscribers."""
+    def look(self) -> None:
+        """Update the running actions that new subscribers get; call this after each change."""
         wanted = _messages((action, action.atom) for action in self._core.awaited)
         self._running = (*wanted, *_messages((action, action.cancellation) for action in self._core.preempted))
 

@@ -10,7 +10,7 @@ from collections import deque
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Set
+from typing import Any, Callable, Deque, Dict, Optional, Sequence, Set
 
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
@@ -306,8 +306,3 @@ def _read(message: Any) -> Optional[Dict[str, Any]]:
 def _plain(host: str) -> str:
     """Return a host without characters that are special in a policy."""
     return "".join(letter for letter in host if letter.isalnum() or letter in ".-:[]")
-
-
-def listening(sockets: Sequence[socket.socket]) -> List[int]:
-    """Return the ports on which sockets listen."""
-    return [one.getsockname()[1] for one in sockets]

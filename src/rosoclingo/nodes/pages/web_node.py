@@ -14,7 +14,7 @@ from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.order_desk import OrderDesk, Taken
-from rosoclingo.nodes.pages.page_server import PageServer, listening
+from rosoclingo.nodes.pages.page_server import PageServer
 from rosoclingo.nodes.pages.report_command import web
 from rosoclingo.nodes.pages.scan_feed import ScanFeed
 from rosoclingo.nodes.run_topics import TYPES, RunTopics
@@ -88,7 +88,7 @@ class WebNode:
         self._server.start()
         rospy.on_shutdown(self._server.stop)
         self._subscribers = self._subscribe()
-        address = f"http://{f'[{host}]' if ':' in host else host}:{listening(sockets)[0]}/"
+        address = f"http://{f'[{host}]' if ':' in host else host}:{sockets[0].getsockname()[1]}/"
         rospy.loginfo("the page is served on %s", address + (f"?token={token}" if token else ""))
         self._address = rospy.Publisher("~address", String, latch=True, queue_size=1)
         self._address.publish(String(address))
