@@ -25,6 +25,7 @@ class Account(RunView):
 
     def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
         """Print a line of the log; an update as it was fed."""
+        super().enter(time, cycle, kind, text, details)
         self._say(f"{time:7.1f} s  cycle {cycle:<3d} {kind:8s} {details or text if kind == 'update' else text}")
 
     @property

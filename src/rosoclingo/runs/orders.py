@@ -63,13 +63,12 @@ class OrderForm(NamedTuple):
         ``packages`` maps each package to its label, empty without one. ``apart`` lists the fields whose choice or place
         has to differ from that of a field. ``titles`` are the names of labels for people.
         """
-        fields = [
-            {"name": one.name, "options": [[term, _described(term, one, packages, titles)] for term in terms], **apart}
-            for one, terms, apart in (
-                (one, _options(one, labels, packages), self._apart(one, packages)) for one in self.choices
-            )
-            if one.kind != PLACE_OF
-        ]
+        fields = []
+        for one in self.choices:
+            if one.kind != PLACE_OF:
+                terms = _options(one, labels, packages)
+                options = [[term, _described(term, one, packages, titles)] for term in terms]
+                fields.append({"name": one.name, "options": options, **self._apart(one, packages)})
         return {"title": self.title, "fact": self.is_fact, "fields": fields}
 
     def _apart(self, choice: Choice, packages: Mapping[str, str]) -> Dict[str, Any]:

@@ -127,7 +127,7 @@ class RunView(RunEvents):
         self.positions: Dict[str, Point] = {}
         self._tracks: DefaultDict[str, Track] = defaultdict(Track)
         self._scans: Dict[str, int] = {}
-        self._log, self._with_state = RunLog(self._enter), with_state
+        self._log, self._with_state = RunLog(self.enter), with_state
         self._goals: Dict[str, int] = {}
         self._history: Set[str] = set()  # goals that ended before this view
         self._met = self._planned = self._updated = False  # whether ~goals, a plan, an update has arrived
@@ -140,9 +140,6 @@ class RunView(RunEvents):
         self._start: Optional[float] = None
         self._wall: Optional[Tuple[float, float]] = None
         self.seconds = 0.0
-
-    def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
-        """Handle a line of the log: seconds since the beginning, cycle, kind, text and details; for subclasses."""
 
     # ---- events -----------------------------------------------------------------------------------------------------
 
@@ -510,10 +507,10 @@ class RunView(RunEvents):
     def _goal_words(self, text: str) -> str:
         return shortened(self.sentences.goal(text), SHOWN)
 
-    def _enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
+    def enter(self, time: float, cycle: int, kind: str, text: str, details: str) -> None:
+        """Add a line to the log: seconds since the beginning, cycle, kind, text and details."""
         line = {"text": shortened(text, SHOWN), "details": shortened(details, SHOWN)}
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, **line)
-        self.enter(time, cycle, kind, text, details)
 
 
 def _as_fed(text: str) -> str:

@@ -12,7 +12,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
 
 from rosoclingo.common.action_servers import start_server
-from rosoclingo.nodes.core import board, goal_handles
+from rosoclingo.nodes.core import goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
@@ -174,7 +174,7 @@ class GoalServerTest(unittest.TestCase):
             handles.changed(GoalChanged(1, core.handles[0].get_goal_id().id, *rejected, "y" * 50000))
             self.assertEqual(len(goals[0].ends_as(GoalStatus.REJECTED)), 50000)
             self.admit(core, client, handles, "do(walk,4)")
-        handles.board.flush()
+        handles.flush()
         wait_until(lambda: found and len(found[-1].goals) == 3, "the goals that were admitted")
         for one in found[-1].goals:
             self.assertLess(len(one.request) + len(one.reason), 1200)
@@ -183,13 +183,13 @@ class GoalServerTest(unittest.TestCase):
     def test_each_end_is_published_despite_the_limit(self):
         found = []
         rospy.Subscriber("~goals", GoalStates, lambda one: found.append([goal.id.id for goal in one.goals]))
-        with mock.patch.object(board, "ENDED", 2):
-            goals = board.GoalBoard()
+        with mock.patch.object(goal_handles, "ENDED", 2):
+            goals = goal_handles.GoalHandles(lambda: "")
             for key in "abcd":
-                goals.add(key, ended_goal(key))
+                goals.add(key, ended_goal(key), has_ended=True)
             goals.flush()
             wait_until(lambda: ["a", "b", "c", "d"] in found, "all ends")
-            goals.add("e", ended_goal("e"))
+            goals.add("e", ended_goal("e"), has_ended=True)
             goals.flush()
             wait_until(lambda: found[-1] == ["c", "d", "e"], "the latest ends")
 

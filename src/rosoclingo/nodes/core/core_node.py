@@ -235,7 +235,7 @@ class CoreNode:
             reason = "" if client.ending is None else client.ending.message
             handle = self._server.restore(key, client.text, rospy.Time(*client.stamp), status, reason)
             if client.ending is not None:
-                self._handles.board.add(key, handle)  # its end can have reached no node yet
+                self._handles.add(key, handle, has_ended=True)  # its end can have reached no node yet
                 result = ROSoClingoResult(int(client.ending.outcome), client.ending.message)
                 self._results.add(handle.get_goal_status(), result)
                 continue
@@ -244,7 +244,7 @@ class CoreNode:
                 self._worker.put(partial(self._core.add_goal, key, client.text))
             if client.cancelled:
                 self._worker.put(partial(self._core.cancel_goal, key))
-        self._handles.board.flush()
+        self._handles.flush()
 
     def _take_arrivals(self) -> None:
         """Take queued goals and cancels, also during a search; clients see them once the journal has them.
@@ -398,7 +398,7 @@ class CoreNode:
         self._ending = True
         self._worker.put(lambda: self._core.shut_down("is aborted: the core shuts down"))
         self._worker.put(self._send)
-        self._worker.put(self._handles.board.flush)
+        self._worker.put(self._handles.flush)
         self._worker.put(self._keeper.close)
         self._worker.put(self._solvers.close)
         self._worker.stop(SHUTDOWN_TIME)
