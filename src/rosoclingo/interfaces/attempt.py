@@ -4,7 +4,7 @@ Time is an argument: an Instant holds ROS time (which can be simulated, stand st
 """
 
 import enum
-from typing import Any, Callable, Dict, Iterable, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from clingo import Symbol
 
@@ -86,11 +86,6 @@ class Effect(enum.Enum):
 _Transition = Tuple[Phase, Effect]
 _FINISH, _ABANDON = (Phase.DONE, Effect.FINISH), (Phase.DONE, Effect.ABANDON)
 
-
-def _all(events: Iterable[ActionEvent], transition: _Transition) -> Dict[ActionEvent, _Transition]:
-    return dict.fromkeys(events, transition)
-
-
 _WITH_SERVER: Dict[ActionEvent, _Transition] = {
     ActionEvent.ACKNOWLEDGED: (Phase.RUNNING, Effect.NOTHING),
     ActionEvent.ENDED: _FINISH,
@@ -110,18 +105,20 @@ TRANSITIONS: Dict[Phase, Dict[ActionEvent, _Transition]] = {
         ActionEvent.UNDECIDED: (Phase.WAITING, Effect.NOTHING),
         ActionEvent.SHUTDOWN: _ABANDON,
     },
-    Phase.WAITING: {ActionEvent.SERVER_FOUND: (Phase.SENT, Effect.SEND), **_all(_BY_INTERFACE, _FINISH)},
+    Phase.WAITING: {ActionEvent.SERVER_FOUND: (Phase.SENT, Effect.SEND), **dict.fromkeys(_BY_INTERFACE, _FINISH)},
     Phase.SENT: {**_WITH_SERVER, ActionEvent.EXPIRED: _ABANDON},
     Phase.RUNNING: {**_WITH_SERVER, ActionEvent.EXPIRED: (Phase.ENDING, Effect.CANCEL)},
     Phase.ENDING: {
-        **_all((ActionEvent.ACKNOWLEDGED, ActionEvent.CANCEL), (Phase.ENDING, Effect.NOTHING)),
-        **_all((*_BY_SERVER, ActionEvent.EXPIRED, ActionEvent.SHUTDOWN), _FINISH),
+        **dict.fromkeys((ActionEvent.ACKNOWLEDGED, ActionEvent.CANCEL), (Phase.ENDING, Effect.NOTHING)),
+        **dict.fromkeys((*_BY_SERVER, ActionEvent.EXPIRED, ActionEvent.SHUTDOWN), _FINISH),
     },
     Phase.YIELDING: {
-        **_all((ActionEvent.ACKNOWLEDGED, ActionEvent.ENDED, ActionEvent.PREEMPTED), (Phase.YIELDING, Effect.NOTHING)),
-        **_all((ActionEvent.SERVER_LOST, *_BY_INTERFACE), _FINISH),
+        **dict.fromkeys(
+            (ActionEvent.ACKNOWLEDGED, ActionEvent.ENDED, ActionEvent.PREEMPTED), (Phase.YIELDING, Effect.NOTHING)
+        ),
+        **dict.fromkeys((ActionEvent.SERVER_LOST, *_BY_INTERFACE), _FINISH),
     },
-    Phase.DONE: _all(ActionEvent, (Phase.DONE, Effect.NOTHING)),
+    Phase.DONE: dict.fromkeys(ActionEvent, (Phase.DONE, Effect.NOTHING)),
 }
 
 # The verdicts of attempts that end without a terminal status from the server. `preempted` means that nothing has

@@ -30,7 +30,7 @@ class Core:
 
     def __init__(self, name):
         self.handles, self.cancelled, self.journal, self.calls = [], [], [], 0
-        self.server = GoalServer(name, self.handles.append, self.cancelled.append, self.call, lambda *_: None)
+        self.server = GoalServer(name, self.handles.append, self.cancelled.append, self.call)
         start_server(self.server)
 
     def call(self):
@@ -206,7 +206,7 @@ class GoalServerTest(unittest.TestCase):
     def test_restored_goal_is_in_the_first_status(self):
         core = Core.__new__(Core)
         core.handles = []
-        core.server = GoalServer("restored", core.handles.append, core.handles.append, lambda: None, lambda *_: None)
+        core.server = GoalServer("restored", core.handles.append, core.handles.append, lambda: None)
         core.server.restore("before", "do(walk,1)", rospy.Time(1), GoalStatus.ACTIVE)
         start_server(core.server)
         message = rospy.wait_for_message("restored/status", GoalStatusArray)

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from contextlib import suppress
+from functools import partial
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TypeVar
 
 import clingo
@@ -171,16 +172,13 @@ def _driven(specs: Mapping[str, InterfaceSpec], actions: Iterable[str]) -> List[
 def _label_queries(specs: Iterable[InterfaceSpec]) -> Dict[str, LabelQuery]:
     """Return the actions whose goals need labels."""
     paths = {spec.name: label_references(spec.goal) for spec in specs}
-    return {name: _label_query(some) for name, some in paths.items() if some}
+    return {name: partial(_labels_at, some) for name, some in paths.items() if some}
 
 
-def _label_query(paths: List[str]) -> LabelQuery:
-    def query(parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
-        """Yield the terms at the paths; parameters of another form have none."""
-        for path in paths:
-            with suppress(FillError):
-                term: Any = evaluate(path, ActionScope(parameter, 1))
-                if isinstance(term, clingo.Symbol):
-                    yield term
-
-    return query
+def _labels_at(paths: List[str], parameter: clingo.Symbol) -> Iterator[clingo.Symbol]:
+    """Yield the terms at the paths; parameters of another form have none."""
+    for path in paths:
+        with suppress(FillError):
+            term: Any = evaluate(path, ActionScope(parameter, 1))
+            if isinstance(term, clingo.Symbol):
+                yield term

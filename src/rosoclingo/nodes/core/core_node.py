@@ -14,7 +14,7 @@ from rosoclingo.common.worker import Worker
 from rosoclingo.msg import ROSoClingoResult
 from rosoclingo.nodes.core.fact_intake import FactIntake
 from rosoclingo.nodes.core.gathering import TOGETHER, Gathering
-from rosoclingo.nodes.core.goal_handles import GoalHandles, Results, stamp_of
+from rosoclingo.nodes.core.goal_handles import GoalHandles, stamp_of
 from rosoclingo.nodes.core.goal_server import GoalServer
 from rosoclingo.nodes.core.keeping import find_journal
 from rosoclingo.nodes.core.loading import core_parameters, load_program
@@ -177,7 +177,6 @@ class CoreNode:
             record=found.state,
         )
         self._keeper.attach(self._core, found.state)
-        self._results = Results(resumed=found.state is not None)
         self._worker = Worker(self._settle)
         self._unmet_goals = UnmetGoals(program, self._worker, self._keeper.aborted_goals)
         described = RunProgram.of(found.run, program, self._parameters.deciding).text()
@@ -197,14 +196,15 @@ class CoreNode:
             ModeChanged: lambda event: self._topics.publish_mode(event.mode),
             Problem: self._log_problem,
         }
-        self._connect()
+        self._connect(resumed=found.state is not None)
 
-    def _connect(self) -> None:
+    def _connect(self, resumed: bool) -> None:
         self._worker.put(self._start)
         arrived = partial(self._worker.put, self._take_arrivals)
-        self._server = GoalServer("rosoclingo", self._goal_arrived, self._cancel_arrived, arrived, self._results.add)
+        taken = self._goal_arrived, self._cancel_arrived
+        self._server = GoalServer("rosoclingo", *taken, arrived, resumed)
         self._go_on_with_clients()
-        self._results.open("rosoclingo")
+        self._server.greet()
         self._facts.connect()
         self._commands = OperatorCommands(self._core, self._worker, self._send)
         rospy.on_shutdown(self._shut_down)
@@ -237,7 +237,7 @@ class CoreNode:
             if client.ending is not None:
                 self._handles.add(key, handle, has_ended=True)  # its end can have reached no node yet
                 result = ROSoClingoResult(int(client.ending.outcome), client.ending.message)
-                self._results.add(handle.get_goal_status(), result)
+                self._server.keep_result(handle.get_goal_status(), result)
                 continue
             self._handles.add(key, handle)
             if goal is None:
@@ -290,7 +290,7 @@ class CoreNode:
         self._tick()
         improvable = self._go_on()
         self._send()
-        self._keeper.forget(self._results.expired())
+        self._keeper.forget(self._server.drop_results())
         self._look_after_journal()
         self._tick()
         if improvable:
@@ -328,7 +328,7 @@ class CoreNode:
         return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
 
     def _send(self) -> None:
-        self._keeper.send(keep_ends=self._results.awaited)
+        self._keeper.send(keep_ends=self._server.awaits_clients)
 
     def _tick(self) -> None:
         """Publish and log changes; called often, also during a search."""

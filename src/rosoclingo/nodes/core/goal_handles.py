@@ -10,7 +10,7 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.msg import GoalState as ShownGoal
-from rosoclingo.msg import GoalStates, ROSoClingoActionResult, ROSoClingoFeedback, ROSoClingoResult
+from rosoclingo.msg import GoalStates, ROSoClingoFeedback, ROSoClingoResult
 from rosoclingo.reasoning.events import GoalChanged, GoalProgress
 from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action, shortened
@@ -25,9 +25,6 @@ _ENDINGS: Dict[GoalEvent, Callable[[ServerGoalHandle, ROSoClingoResult, str], No
 _ACCEPTED = (GoalState.ACTIVE, GoalState.PREEMPTING)
 _OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.RECALLING, GoalStatus.PREEMPTING)
 _BEGUN = (GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.PREEMPTED)
-
-#: Seconds of wall time during which a resumed core sends results to each client that connects.
-RESENT = 60.0
 
 #: Limit of open goals of one node.
 MOST_OPEN = 1000
@@ -153,38 +150,6 @@ class GoalHandles:
         self._look(key, handle)
         request, why = shortened(handle.get_goal().request), shortened(message, SHOWN)
         rospy.loginfo("goal '%s' %s: %s", request, outcome.name.lower(), why)
-
-
-class Results:
-    """Results that a resumed core sends to each client that connects, since clients reconnect one by one.
-
-    They belong to goals that ended before the core was killed, or before all clients had reconnected.
-    """
-
-    def __init__(self, resumed: bool) -> None:
-        self._messages: List[ROSoClingoActionResult] = []
-        self._until = time.monotonic() + (RESENT if resumed else 0.0)
-
-    def open(self, name: str) -> None:
-        """Let clients of the action server ``name`` connect; call this after adding all earlier results."""
-        topic = rospy.remap_name(name) + "/result"
-        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, greeting=lambda: list(self._messages))
-
-    @property
-    def awaited(self) -> bool:
-        """Whether clients can still be reconnecting."""
-        return time.monotonic() < self._until
-
-    def add(self, status: GoalStatus, result: ROSoClingoResult) -> None:
-        """Add a result before it is published, so that a client that connects meanwhile gets it twice, not never."""
-        self._messages.append(ROSoClingoActionResult(status=status, result=result))
-
-    def expired(self) -> List[str]:
-        """Return and forget the keys of goals whose results need not be sent any more."""
-        if not self._messages or self.awaited:
-            return []
-        messages, self._messages = self._messages, []
-        return [one.status.goal_id.id for one in messages]
 
 
 def _set_remark(handle: ServerGoalHandle, remark: str) -> None:

@@ -1,8 +1,9 @@
 """The action server of the core, which reports goals to clients once they are in the journal."""
 
+import time
 from collections import deque
 from functools import partial
-from typing import Any, Callable, Deque, NamedTuple
+from typing import Any, Callable, Deque, List, NamedTuple
 
 import rospy
 from actionlib import ActionServer, ServerGoalHandle
@@ -10,7 +11,8 @@ from actionlib.handle_tracker_deleter import HandleTrackerDeleter
 from actionlib.status_tracker import StatusTracker
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoResult
+from rosoclingo.common.prompt_publisher import prompt_publisher
+from rosoclingo.msg import ROSoClingoAction, ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoResult
 from rosoclingo.nodes.core.sender_limit import SenderLimit
 
 #: Limit of one node's queued goals and cancels.
@@ -21,6 +23,9 @@ LONGEST_ID = 1000
 
 #: Limit of goals and cancels that the worker takes together.
 TURN = 100
+
+#: Seconds of wall time during which a resumed core sends results to each client that connects.
+RESENT = 60.0
 
 Taker = Callable[[ServerGoalHandle], None]
 
@@ -47,15 +52,18 @@ class GoalServer(ActionServer):  # type: ignore[misc]
 
     The server publishes no status while a goal is queued: a client that has cancelled its goal counts the goal as lost
     if a status lacks it. ``arrived`` is called on rospy's threads, and has to make the worker call :meth:`take`.
-    ``ending`` is called with each result before it is published. The connection of a node with MOST_ARRIVALS queued
-    arrivals is not read, so TCP slows the node down, and nothing is lost.
+    The connection of a node with MOST_ARRIVALS queued arrivals is not read, so TCP slows the node down, and nothing is
+    lost. Clients reconnect one by one to a server that has ``resumed``: each one gets the results of goals that ended
+    before.
     """
 
     def __init__(
-        self, name: str, on_goal: Taker, on_cancel: Taker, arrived: Callable[[], None], ending: Callable[..., None]
+        self, name: str, on_goal: Taker, on_cancel: Taker, arrived: Callable[[], None], resumed: bool = False
     ) -> None:
         super().__init__(name, ROSoClingoAction, on_goal, on_cancel, auto_start=False)
-        self._arrived, self._ending = arrived, ending
+        self._arrived = arrived
+        self._results: List[ROSoClingoActionResult] = []  # for clients that connect later
+        self._clients_until = time.monotonic() + (RESENT if resumed else 0.0)
         self._deferred = False  # whether a status has to be published once the queue is empty
         self._published = False  # whether the status of the present result is already published
         self._arrivals: Deque[_Arrival] = deque()
@@ -119,13 +127,34 @@ class GoalServer(ActionServer):  # type: ignore[misc]
         result.message = result.message or status.text or words
         status.text = status.text or result.message
         with self.lock:
-            self._ending(status, result)
+            self.keep_result(status, result)
             self.publish_status()
             self._published = True
             try:
                 super().publish_result(status, result)
             finally:
                 self._published = False
+
+    def keep_result(self, status: GoalStatus, result: ROSoClingoResult) -> None:
+        """Keep a result, before it is published, so that a client that connects meanwhile gets it twice, not never."""
+        self._results.append(ROSoClingoActionResult(status=status, result=result))
+
+    def greet(self) -> None:
+        """Send the kept results to each client that connects; call this before the server starts."""
+        topic = rospy.remap_name(self.ns) + "/result"
+        prompt_publisher(topic, ROSoClingoActionResult, queue_size=1000, greeting=lambda: list(self._results))
+
+    @property
+    def awaits_clients(self) -> bool:
+        """Whether clients can still be reconnecting after a resume."""
+        return time.monotonic() < self._clients_until
+
+    def drop_results(self) -> List[str]:
+        """Drop the results that need not be sent any more, and return the keys of their goals."""
+        if not self._results or self.awaits_clients:
+            return []
+        results, self._results = self._results, []
+        return [one.status.goal_id.id for one in results]
 
     def restore(self, key: str, text: str, stamp: rospy.Time, status: int, reason: str = "") -> ServerGoalHandle:
         """Restore a goal of a previous process, for the first status message; call this before the server starts."""
