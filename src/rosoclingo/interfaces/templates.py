@@ -15,7 +15,7 @@ stands for any characters of an ASP string: `heard("${text}",now)`.
 """
 
 import re
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Tuple
 
 from clingo import Symbol, SymbolType
 
@@ -192,9 +192,14 @@ def _lookup(reference: str, scope: ActionScope) -> Any:
     head, *steps = reference.split(".")
     if head.isdigit():
         return _walk_term(_argument(scope.parameter, int(head), top=True), steps, scope)
-    if head not in _HEADS:
+    if head == "parameter":
+        return _walk_term(scope.parameter, steps, scope)
+    if head == "result":
+        return _walk_result(steps, scope)
+    values = {"cycle": scope.cycle, "now": Now(), "status": scope.ended.status, "text": scope.ended.text}
+    if head not in values:
         raise FillError(f"no ${reference}")
-    return _HEADS[head](steps, scope)
+    return values[head]
 
 
 def _walk_term(term: Symbol, steps: List[str], scope: ActionScope) -> Any:
@@ -223,13 +228,3 @@ def _walk_result(steps: List[str], scope: ActionScope) -> Any:
         except (AttributeError, IndexError, TypeError):
             raise FillError("the result has no {}".format(".".join(steps))) from None
     return value
-
-
-_HEADS: Dict[str, Callable[[List[str], ActionScope], Any]] = {
-    "parameter": lambda steps, scope: _walk_term(scope.parameter, steps, scope),
-    "cycle": lambda steps, scope: scope.cycle,
-    "now": lambda steps, scope: Now(),
-    "status": lambda steps, scope: scope.ended.status,
-    "text": lambda steps, scope: scope.ended.text,
-    "result": _walk_result,
-}
