@@ -5,7 +5,7 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 from rosoclingo.common.labels import Label, LabelTable
 from rosoclingo.runs.believed_places import CARRIED, Places, believed_places
 from rosoclingo.runs.events import SAID, reason_suffix
-from rosoclingo.runs.run_tables import Point, Record
+from rosoclingo.runs.run_tables import Point
 from rosoclingo.runs.run_view import RunView
 from rosoclingo.runs.topic_atoms import action_in
 
@@ -27,11 +27,6 @@ class Account(RunView):
         """Print a line of the log; an update as it was fed."""
         super().enter(time, cycle, kind, text, details)
         self._say(f"{time:7.1f} s  cycle {cycle:<3d} {kind:8s} {details or text if kind == 'update' else text}")
-
-    @property
-    def goal_records(self) -> List[Record]:
-        """The records of all goals."""
-        return [record for _, record in self.tables["goals"].changes_since(0)]
 
     @property
     def places(self) -> Places:
@@ -62,7 +57,7 @@ class Account(RunView):
         """
         robot, things, robots = self.places
         found: Dict[str, Any] = {
-            "goals": [one["states"][-1][1] for one in self.goal_records if sent is None or one["id"] in sent],
+            "goals": [one["states"][-1][1] for one in self.tables["goals"] if sent is None or one["id"] in sent],
             "packages": {key: things.get(key) for key in expect.get("packages", {})},
             "robot": robot,
             "robots": {name: robots.get(name) for name in expect.get("robots", {})},
@@ -72,7 +67,7 @@ class Account(RunView):
 
     def summary(self) -> List[str]:
         """Return the final state of the run as lines of text."""
-        ends = ((one["words"], *one["states"][-1][1:3]) for one in self.goal_records)
+        ends = ((one["words"], *one["states"][-1][1:3]) for one in self.tables["goals"])
         goals = [f"{words}: {SAID[status]}{reason_suffix(status, reason)}" for words, status, reason in ends]
         robot, things, robots = self.places
         there = {place: sorted(key for key in things if things[key] == place) for place in sorted(set(things.values()))}

@@ -1,7 +1,7 @@
 """Tables of a run, which report their changes since a revision."""
 
 import math
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from rosoclingo.reasoning.keywords import name_of, shortened
 from rosoclingo.runs.sentences import Sentences, actors_of
@@ -64,6 +64,9 @@ class Table:
 
     def __len__(self) -> int:
         return len(self._records)
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self._records)
 
     @property
     def last(self) -> Optional[Record]:

@@ -9,7 +9,7 @@ from collections import defaultdict
 from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from rosoclingo.common.labels import LabelError, LabelTable
-from rosoclingo.oclingo import OclingoError, ProgressionError, Statement, StreamUpdate, parse_term, parse_update
+from rosoclingo.oclingo import OclingoError, ProgressionError, StreamUpdate, parse_term, parse_update
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
@@ -411,7 +411,7 @@ class RunView(RunEvents):
         fresh.begin(self._run)
         fresh.drawings, fresh.sentences, fresh.mode_word = self.drawings, self.sentences, self.mode_word
         fresh._met, fresh._history = self._met, {*self._history, *self._goals}
-        for goal in (record for _, record in self.tables["goals"].changes_since(0) if record["ended"] is None):
+        for goal in (record for record in self.tables["goals"] if record["ended"] is None):
             fresh.goal(start + goal["sent"], goal["id"], goal["request"])
             for time, word, reason, details in goal["states"][1:]:
                 fresh._state(start + time, goal["id"], word, details or reason)
@@ -419,7 +419,7 @@ class RunView(RunEvents):
         places = self.tables["packages"].last
         if places is not None:
             fresh.packages(start + self.seconds, places["places"])
-        for robot, pose in {one["robot"]: one for _, one in self.tables["poses"].changes_since(0)}.items():
+        for robot, pose in {one["robot"]: one for one in self.tables["poses"]}.items():
             x, y, yaw = pose["pose"]
             fresh.pose(start + pose["time"], x, y, yaw, robot)
         if self.tables["beliefs"].last is not None:
@@ -471,8 +471,7 @@ class RunView(RunEvents):
 
     def _sources(self, update: StreamUpdate) -> Set[str]:
         """Return the requests and returns in an update, which other topics publish first."""
-        heads = [item.head for item in update.items if isinstance(item, Statement) and item.head is not None]
-        requests = [one.arguments[0] for one in heads if is_keyword(one, REQUEST)]
+        requests = [one.arguments[0] for one in update.heads if one is not None and is_keyword(one, REQUEST)]
         goals = {str(one) for one in requests if not is_keyword(one, "cancel")}
         return goals | {str(one.atom) for one in self._sent_returns.of(update)}
 

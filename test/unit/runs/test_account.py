@@ -189,7 +189,7 @@ def test_account_can_begin_during_a_run(account, lines):
         ["413", "request", "g(4)"],
         ["413", "goal", "g(2): done"],
     ]
-    assert [goal["request"] for goal in account.goal_records] == ["g(2)", "g(3)", "g(4)"]
+    assert [goal["request"] for goal in account.tables["goals"]] == ["g(2)", "g(3)", "g(4)"]
     assert account.summary()[-1] == "actions: go y"
 
 
