@@ -1,21 +1,28 @@
 """Shared by the tests of the core: a manual interface layer, and clients that record the course of their goals."""
 
-import os
 import queue
-import signal
-import subprocess
 import threading
+from pathlib import Path
 
 import rospy
 from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from interface_helpers import PATIENCE, executable, wait_for_server, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, Process, executable, wait_for_server, wait_to_hear, wait_until
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
 from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.reasoning.keywords import CORE
+
+ERRANDS = str(Path(__file__).resolve().parents[1] / "data" / "errands.lp")
+
+
+def start_core(namespace, *words, **parameters):
+    """Start a core as a process; its topics are /NAMESPACE/..., and its program has errands by default."""
+    given = {"program_files": f"[{ERRANDS}]", **parameters}
+    values = [f"_{name}:={value}" for name, value in given.items()]
+    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *words, *values)
 
 
 class ManualInterfaces:
@@ -163,43 +170,3 @@ class Updates:
         """Return the first update with ``words``; a message about a goal can come before the update that caused it."""
         wait_until(lambda: any(words in text for text in self.texts), f"an update with {words}")
         return next(text for text in self.texts if words in text)
-
-
-class CommandProcess:
-    """One of the package's commands, and its standard output; it ends with the test."""
-
-    def __init__(self, *words):
-        command = [executable(words[0]), *words[1:]]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=_unbuffered())
-        self._timer = threading.Timer(PATIENCE, self._process.kill)
-        self._timer.start()
-
-    def lines_until(self, words):
-        """Return the lines up to the one with these words."""
-        lines = []
-        for line in self._process.stdout:
-            lines.append(line.rstrip())
-            if words in line:
-                return lines
-        raise AssertionError(f"nothing of '{words}' in: {lines}")
-
-    def interrupt(self):
-        """Press Ctrl-C."""
-        self._process.send_signal(signal.SIGINT)
-
-    def rest(self):
-        """Return exit code and remaining lines."""
-        lines = [line.rstrip() for line in self._process.stdout]
-        return self._process.wait(PATIENCE), lines
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._timer.cancel()
-        self._process.kill()
-        self._process.communicate()
-
-
-def _unbuffered():
-    return {**os.environ, "PYTHONUNBUFFERED": "1"}

@@ -174,11 +174,17 @@ def full_disk(process, room=0):
 
 
 def wait_for_diagnosis(name, condition, what):
-    """Wait until a status of /diagnostics meets a condition."""
-    reports = []
+    """Return the next status of /diagnostics that meets a condition."""
+    reports, found = [], []
     subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: reports.extend(one.status))
-    wait_until(lambda: any(one.name == name and condition(one) for one in list(reports)), what)
+    wait_until(lambda: found.extend(one for one in list(reports) if one.name == name and condition(one)) or found, what)
     subscriber.unregister()
+    return found[0]
+
+
+def values_of(status):
+    """Return the values of a diagnostic status as a dict."""
+    return {pair.key: pair.value for pair in status.values}
 
 
 class Server:
@@ -222,36 +228,53 @@ class Server:
 
 
 class Process:
-    """A node as a process, ended with the test."""
+    """A command whose standard error is read; it ends with the test."""
 
-    def __init__(self, *command):
-        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    _pipe = "stderr"
+
+    def __init__(self, *command, **environment):
+        settings = {"env": {**os.environ, "PYTHONUNBUFFERED": "1", **environment}, self._pipe: subprocess.PIPE}
+        self._process = subprocess.Popen(command, text=True, start_new_session=True, **settings)
+
+    @property
+    def running(self):
+        """Whether it has not ended."""
+        return self._process.poll() is None
 
     def lines_until(self, words):
-        """Return the lines of standard error up to the one with these words, which must come before the end."""
+        """Return the lines up to the one with these words, which must come before the end."""
         lines = []
         timer = threading.Timer(PATIENCE, self.signal, [signal.SIGKILL])
         timer.start()
-        for line in self._process.stderr:
-            lines.append(line)
+        for line in getattr(self._process, self._pipe):
+            lines.append(line.rstrip("\n"))
             if words in line:
                 break
         timer.cancel()
-        assert words in "".join(lines[-1:]), f"nothing of '{words}' in: {''.join(lines)}"
+        assert words in "".join(lines[-1:]), f"nothing of '{words}' in: {lines}"
         return lines
 
     def signal(self, number):
         os.killpg(self._process.pid, number)
 
-    def wait(self):
-        """Return exit code and standard error."""
-        error = self._process.communicate(timeout=PATIENCE)[1]
-        return self._process.returncode, error
+    def wait(self, patience=PATIENCE):
+        """Return exit code and the remaining text."""
+        texts = self._process.communicate(timeout=patience)
+        return self._process.returncode, texts[self._pipe == "stderr"]
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        if self._process.poll() is None:
+        if self.running:
             self.signal(signal.SIGKILL)
         self._process.communicate()
+
+
+class CommandProcess(Process):
+    """One of the package's commands, whose standard output is read."""
+
+    _pipe = "stdout"
+
+    def __init__(self, name, *words, **environment):
+        super().__init__(executable(name), *words, **environment)

@@ -23,14 +23,6 @@ def test_packages_export_every_name(package):
         module.nonsense  # noqa: B018
 
 
-@pytest.mark.parametrize(
-    "module", ["rosoclingo.robot.simulation.office_packages", "rosoclingo.robot.navigation.geometry"]
-)
-def test_packages_without_compiled_code_load_no_compiler(module):
-    code = f"import sys, {module}; sys.exit('numba' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], cwd=str(SOURCES), check=False, timeout=120).returncode == 0
-
-
 @pytest.mark.slow
 def test_packages_stream_command_loads_only_its_needs(tmp_path):
     """A new process loads and compiles each module that it imports."""

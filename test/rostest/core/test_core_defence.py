@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""The core's self-defence: /diagnostics, nonsense, concurrent actions, cancels by time stamp."""
+"""The core's self-defence: /diagnostics, nonsense, floods of facts, concurrent actions, cancels by time stamp."""
 
+import itertools
+import signal
 import sys
 import unittest
 from pathlib import Path
@@ -8,50 +10,37 @@ from pathlib import Path
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rosgraph_msgs.msg import Log
 from rosoclingo.msg import InterfaceIO
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import init_node, wait_to_hear, wait_until
+from interface_helpers import Process, init_node, values_of, wait_for_diagnosis, wait_to_hear, wait_until
 
-CORES = ("/rosoclingo", "/arms/rosoclingo")
+CORE = "rosoclingo: core"
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
+#: The facts of two flooding nodes, with a running number. A return of a cycle that runs would fail its action.
+FLOODS = {"sensor": ("_seen({})", "reading({})"), "stray": ("x{}((", "_return(walk,{},1000000)")}
 
-class Diagnostics:
-    """The diagnostics of the cores, latest last."""
 
-    def __init__(self):
-        self.reports = []
-        wait_to_hear(rospy.Subscriber("/diagnostics", DiagnosticArray, self._note), nodes=CORES)
-
-    def _note(self, message):
-        assert message.header.stamp.to_sec() > 0.0
-        self.reports += message.status
-
-    def wait_for(self, condition, what, name="rosoclingo: core"):
-        """Return the next report that meets the condition, with its values as a dict."""
-        start, found = len(self.reports), []
-
-        def look():
-            for one in self.reports[start:]:
-                values = {pair.key: pair.value for pair in one.values}
-                if one.name == name and condition(one, values):
-                    found.append((one, values))
-            return found
-
-        wait_until(look, what)
-        return found[0]
+def flood(kind):
+    """Run as the node that floods the core: without a queue, it sends as fast as the core reads."""
+    rospy.init_node("flood", anonymous=True)
+    publisher = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=None)
+    numbers = itertools.count()
+    for fact in itertools.cycle(FLOODS[kind]):
+        if rospy.is_shutdown():
+            break
+        publisher.publish(InterfaceIO(kind, [fact.format(next(numbers)) for _ in range(500)]))
 
 
 class CoreDefence(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("core_defence_test")
-        cls.diagnostics = Diagnostics()
         cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.arms = ManualInterfaces("/arms/")
@@ -63,10 +52,16 @@ class CoreDefence(unittest.TestCase):
         self.hands.clear()
         self.arms.clear()
 
+    @staticmethod
+    def problems():
+        """Return the number of problems so far."""
+        return int(values_of(wait_for_diagnosis(CORE, lambda _: True, "a report"))["problems"])
+
     def test_diagnostics_show_the_state(self):
         goal = self.client.send("do(walk,1)")
         command = self.hands.take()
-        status, values = self.diagnostics.wait_for(lambda _, one: one["awaited actions"] == command, "the action")
+        status = wait_for_diagnosis(CORE, lambda one: values_of(one)["awaited actions"] == command, "the action")
+        values = values_of(status)
         self.assertEqual(status.hardware_id, "rosoclingo")
         self.assertEqual(values["open goals"], "1")
         self.assertEqual(values["cycle"], command.rsplit(",", 1)[1][:-1])
@@ -74,23 +69,18 @@ class CoreDefence(unittest.TestCase):
         self.assertGreater(float(values["last solve time"]) + float(values["last ground time"]), 0.0)
         self.hands.succeed(command)
         goal.ends_as(GoalStatus.SUCCEEDED)
-        self.diagnostics.wait_for(lambda _, one: one["open goals"] == "0", "the end")
-
-    def test_diagnostics_are_repeated_without_a_change(self):
-        for _ in range(3):
-            self.diagnostics.wait_for(lambda *_: True, "a report")
+        wait_for_diagnosis(CORE, lambda one: values_of(one)["open goals"] == "0", "the end")
 
     def test_nonsense_is_reported_once_and_counted(self):
         lines = []
         log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=10000)
         wait_to_hear(log, nodes=["/rosoclingo"])
-        _, values = self.diagnostics.wait_for(lambda *_: True, "a report")
-        before = int(values["problems"])
+        before = self.problems()
         facts = [f"_unheard({number})" for number in range(300)]
         self.hands.tell(*facts, origin="chatterbox")
-        status, values = self.diagnostics.wait_for(lambda _, one: int(one["problems"]) >= before + 300, "the count")
+        status = wait_for_diagnosis(CORE, lambda one: int(values_of(one)["problems"]) >= before + 300, "the count")
         self.assertEqual(status.level, DiagnosticStatus.WARN)
-        self.assertIn("'_unheard(299)' from 'chatterbox' is ignored", values["last error"])
+        self.assertIn("'_unheard(299)' from 'chatterbox' is ignored", values_of(status)["last error"])
         self.assertIn("'_unheard(299)' from 'chatterbox' is ignored", status.message)
         self.hands.tell("garbage((", origin="another")
         wait_until(lambda: any("from 'another'" in line for line in lines), "the other line")
@@ -112,10 +102,10 @@ class CoreDefence(unittest.TestCase):
         self.assertEqual(head, f"_action_lib(head,1,{cycle})")
         self.arms.tell(f"_return(arm,failed(left(1)),{cycle})")
         self.arms.succeed(head)
-        _, values = self.diagnostics.wait_for(
-            lambda _, one: one["awaited actions"] == right, "the others", "arms/rosoclingo: core"
+        status = wait_for_diagnosis(
+            "arms/rosoclingo: core", lambda one: values_of(one)["awaited actions"] == right, "the others"
         )
-        self.assertEqual(values["cycle"], str(cycle), "the cycle goes on until each has returned")
+        self.assertEqual(values_of(status)["cycle"], str(cycle), "the cycle goes on until each has returned")
         self.arms.succeed(right)
         again = self.arms.take()
         self.assertEqual(again, f"_action_lib(arm,left(1),{cycle + 1})", "only the failed action is retried")
@@ -140,19 +130,34 @@ class CoreDefence(unittest.TestCase):
         younger.ends_as(GoalStatus.SUCCEEDED)
         self.assertIn(blocking.wait()[0], ENDED)
 
-    def test_cancel_all_while_an_action_runs(self):
-        goals = [self.client.send("do(walk,7)")]
-        command = self.hands.take()
-        goals += [self.client.send(f"do(run,{number})") for number in range(8, 11)]
-        for goal in goals:
-            goal.arrived()
-        self.client.raw.cancel_all_goals()
-        for goal in goals[1:]:
-            goal.ends_as(GoalStatus.RECALLED)
-        self.hands.succeed(command)
-        self.assertIn(goals[0].wait()[0], ENDED)
-        self.diagnostics.wait_for(lambda _, one: one["open goals"] == "0", "rest")
+    def test_goals_are_served_during_a_flood_of_facts(self):
+        before, updates = self.problems(), len(self.updates.texts)
+
+        def taken(status):
+            """Return whether the core has accepted or ignored many facts of the floods."""
+            seen = sum(text.count("_seen(") for text in self.updates.texts[updates:])
+            return seen and int(values_of(status)["problems"]) - before + seen > 2000
+
+        commands = [[sys.executable, str(Path(__file__).resolve()), "--flood", kind] for kind in FLOODS]
+        with Process(*commands[0]) as one, Process(*commands[1]) as other:
+            wait_for_diagnosis(CORE, taken, "the flood")
+            goal = self.client.send("do(walk,10)")
+            self.hands.succeed(self.hands.take())
+            goal.ends_as(GoalStatus.SUCCEEDED)
+            goal = self.client.send("do(walk,11)")
+            command = self.hands.take()
+            goal.cancelled()
+            self.hands.succeed(command)
+            self.assertIn(goal.wait()[0], (GoalStatus.SUCCEEDED, GoalStatus.PREEMPTED))
+            wait_for_diagnosis(
+                CORE, lambda one: "is ignored" in values_of(one)["last error"], "a report during the flood"
+            )
+            for process in (one, other):
+                process.signal(signal.SIGKILL)
 
 
 if __name__ == "__main__":
+    if "--flood" in sys.argv:
+        flood(sys.argv[sys.argv.index("--flood") + 1])
+        sys.exit()
     rostest.rosrun("rosoclingo", "core_defence", CoreDefence, sys.argv)

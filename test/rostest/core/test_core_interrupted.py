@@ -17,18 +17,15 @@ from std_srvs.srv import SetBool, Trigger
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import PATIENCE, Process, executable, init_node, process_of, wait_until
+from core_helpers import ERRANDS, Client, ManualInterfaces, Updates, start_core
+from interface_helpers import PATIENCE, init_node, process_of, wait_until
 
-ERRANDS = Path(__file__).resolve().parents[2] / "data" / "errands.lp"
-
-#: The errand boom is grounded without end, the errand pigeons is searched without end, maze also if it is cancelled.
+#: The errand boom is grounded without end, the errand pigeons is searched without end.
 ENDLESS = """
 #program cumulative(t).
 n(0,t) :- asked(boom,_,C), C <= t+1.
 n(X+1,t) :- n(X,t), X < 2000000000.
 1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, asked(pigeons,I,C), C <= t, not dropped(I).
-1 { in(P,H,t) : H = 1..14 } 1 :- P = 1..15, asked(maze,I,C), C <= t.
 :- in(P,H,t), in(Q,H,t), P < Q.
 #program base.
 dropped(I) :- _request(cancel(I),_).
@@ -39,11 +36,10 @@ dropped(I) :- _request(cancel(I),_).
 def core(namespace, **parameters):
     """Start a core with endless errands; its topics are /NAMESPACE/..."""
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
-        file.write(ERRANDS.read_text() + ENDLESS)
+        file.write(Path(ERRANDS).read_text() + ENDLESS)
         file.flush()
         given = {"action_timeout": 1, **parameters, "program_files": f"[{file.name}]"}
-        values = [f"_{name}:={value}" for name, value in given.items()]
-        with Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values) as process:
+        with start_core(namespace, **given) as process:
             yield process
 
 
@@ -112,15 +108,6 @@ class CoreInterrupted(unittest.TestCase):
             wait_until(lambda: goal.feedback, "word that the goal waits")
             self.assertEqual(goal.feedback[0].status, "waiting: the solver did not accept it in time")
             self.serves("timed", "do(walk,2)", updates)
-            self.cancelled(goal)
-
-    def test_endless_search_goal_waits_and_is_cancelled(self):
-        with core("alone", search_timeout=1.0, horizon_limit=4):
-            updates = Updates("alone/rosoclingo")
-            goal = Client("alone/rosoclingo").send("do(maze,1)")
-            goal.arrived()
-            for number in (2, 3):
-                self.serves("alone", f"do(walk,{number})", updates)
             self.cancelled(goal)
 
     def cancelled(self, goal):

@@ -14,16 +14,8 @@ from rosoclingo.msg import TaskPlan
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import Client, Updates
-from interface_helpers import Process, executable, init_node, wait_until
-
-ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
-
-
-def core(namespace, **parameters):
-    """Start a core as a process; its topics are /NAMESPACE/..."""
-    values = [f"_{name}:={value}" for name, value in parameters.items()]
-    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", *values)
+from core_helpers import Client, Updates, start_core
+from interface_helpers import CommandProcess, Process, executable, init_node, wait_until
 
 
 class CoreStart(unittest.TestCase):
@@ -31,29 +23,28 @@ class CoreStart(unittest.TestCase):
     def setUpClass(cls):
         init_node("core_start_test")
 
-    def fails_with(self, text, namespace, **parameters):
-        with core(namespace, **parameters) as process:
+    def test_bad_parameters_end_the_start(self):
+        with start_core("zero", horizon_limit=0) as process:
             code, error = process.wait()
         self.assertEqual(code, 1, error)
-        self.assertIn(text, error)
+        self.assertIn("~horizon_limit: must be an integer of at least 1, not 0", error)
         self.assertNotIn("Traceback", error)
 
-    def test_bad_parameters_end_the_start(self):
-        self.fails_with("~program_files", "none")
-        self.fails_with("there is no file '/no/such/file.lp'", "missing", program_files="[/no/such/file.lp]")
-        self.fails_with(
-            "~horizon_limit: must be an integer of at least 1, not 0",
-            "zero",
-            program_files=f"[{ERRANDS}]",
-            horizon_limit=0,
-        )
-        self.fails_with("no #const nosuch", "constant", program_files=f"[{ERRANDS}]", constants="{nosuch: 3}")
+    def test_unread_parameters_are_reported(self):
+        arm = ("_interfaces:={arm: {type: actionlib/TestAction}}", "_server_timout:=3", "_retries:=1")
+        for process, words in (
+            (start_core("misspelt", horizon_limt=7), "~horizon_limt (did you mean ~horizon_limit?)"),
+            (Process(executable("interface"), "__name:=arm", *arm), "~server_timout (did you mean ~server_timeout?)"),
+        ):
+            with process:
+                lines = process.lines_until("unknown parameters")
+            self.assertIn(words, lines[-1])
 
     def test_program_gaps_are_reported_at_the_start(self):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#const n = 2.\n#program cumulative(t).\n{ _action_lib(go,n,t) }.\n")
             file.flush()
-            with core("lacking", program_files=f"[{file.name}]", constants="{n: -2}") as process:
+            with start_core("lacking", program_files=f"[{file.name}]", constants="{n: -2}") as process:
                 Client("lacking/rosoclingo").send("go(1)").ends_as(GoalStatus.REJECTED)
                 process.signal(signal.SIGINT)
                 error = process.wait()[1]
@@ -68,7 +59,7 @@ class CoreStart(unittest.TestCase):
             )
             file.flush()
             values = {"program_files": f"[{file.name}]", "constants": "{n: 2}", "labels": "{kitchen: {x: 1, y: 2}}"}
-            with core("labelled", **values):
+            with start_core("labelled", **values):
                 plans = []
                 subscriber = rospy.Subscriber("labelled/rosoclingo/task_plan", TaskPlan, plans.append)
                 wait_until(lambda: plans and plans[-1].cycle == 2, "cycle 2")
@@ -76,10 +67,9 @@ class CoreStart(unittest.TestCase):
                 self.assertEqual(plans[-1].actions, ["_action_lib(go,kitchen,2)"])
 
     def test_request_is_cancelled_on_ctrl_c(self):
-        with core("asked", program_files=f"[{ERRANDS}]", action_timeout=2.0):
+        with start_core("asked", action_timeout=2.0):
             updates = Updates("asked/rosoclingo")
-            command = [executable("request"), "do(walk,1)", "--server", "asked/rosoclingo", "--wait", "30"]
-            with Process(*command) as request:
+            with CommandProcess("request", "do(walk,1)", "--server", "asked/rosoclingo", "--wait", "30") as request:
                 wait_until(lambda: updates.texts, "the request")
                 request.signal(signal.SIGINT)
                 updates.wait_for("cancel(1)")

@@ -1,23 +1,36 @@
 #!/usr/bin/env python3
-"""Texts of the program that clients receive about goals, goals that no rule of it sees, and a control program."""
+"""Texts of the program for clients, goals that no rule sees, a control program, and a missing interface."""
 
-import os
-import subprocess
 import sys
 import unittest
 from pathlib import Path
 
 import rospy
 import rostest
+from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticStatus
+from rosgraph_msgs.msg import Log
 from rosoclingo.msg import GoalState, GoalStates
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import PATIENCE, init_node, wait_until
+from interface_helpers import (
+    CommandProcess,
+    Process,
+    Server,
+    executable,
+    init_node,
+    values_of,
+    wait_for_diagnosis,
+    wait_to_hear,
+    wait_until,
+)
 
 ACTIVE = GoalStatus.ACTIVE
+LACKING = "errands/rosoclingo: core"
+MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run, walk"
 
 
 class CoreWords(unittest.TestCase):
@@ -46,20 +59,6 @@ class CoreWords(unittest.TestCase):
         self.hands.succeed(command)
         self.assertEqual(goal.ends_as(GoalStatus.SUCCEEDED), "ride(1) is met")
 
-    def test_last_word_of_a_sensor_counts(self):
-        first = Client().send("ride(2)")
-        self.hands.tell("_lift(0,now)", origin="lift")
-        command = self.hands.take()
-        for floor in (2, 7, 4):  # while the package is on the robot
-            self.hands.tell(f"_lift({floor},now)", origin="lift")
-        second = Client().send("ride(3)")
-        second.arrived()
-        self.hands.succeed(command)
-        first.ends_as(GoalStatus.SUCCEEDED)
-        self.expect(second, "ride(3) is accepted: waits for the lift at 4", "active: waits for the lift at 4")
-        second.cancel()
-        second.ends_as(GoalStatus.PREEMPTED)
-
     def expect(self, goal, text, state):
         """Wait until the goal's status, its feedback and the topic of all goals agree."""
         key = goal.handle.comm_state_machine.action_goal.goal_id
@@ -72,16 +71,10 @@ class CoreWords(unittest.TestCase):
         wait_until(lambda: (entry().status, entry().reason) == (ACTIVE, text), f"the topic to say '{text}'")
 
     def test_request_fails_for_a_goal_that_no_rule_sees(self):
-        command = ["rosrun", "rosoclingo", "request", "gaol(office3,office2,1)", "--wait", "40"]
-        done = subprocess.run(
-            command,
-            env={**os.environ, "ROS_NAMESPACE": "/paper"},
-            stdout=subprocess.PIPE,
-            text=True,
-            timeout=PATIENCE,
-        )
-        self.assertEqual(done.returncode, 3, done.stdout)
-        self.assertIn("did you mean goal(office3,office2,1)?", done.stdout)
+        with CommandProcess("request", "gaol(office3,office2,1)", "--wait", "40", ROS_NAMESPACE="/paper") as request:
+            code, printed = request.wait()
+        self.assertEqual(code, 3, printed)
+        self.assertIn("did you mean goal(office3,office2,1)?", printed)
 
     def test_control_program_is_executed(self):
         hands = ManualInterfaces("suitcase/")
@@ -90,6 +83,36 @@ class CoreWords(unittest.TestCase):
         Client("suitcase/rosoclingo").send("run(open_it,1)").ends_as(GoalStatus.SUCCEEDED)
         latches = sorted(latch for fact in hands.seen for latch in ("left", "right") if f"flip({latch})" in fact)
         self.assertEqual(latches, ["left", "right"], hands.seen)
+
+    def test_missing_interface_is_reported_until_it_appears(self):
+        lines, server = [], Server("errands/hold", TestAction)
+        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
+        wait_to_hear(log, nodes=["/errands/rosoclingo"])
+        self.wait_for_interfaces("run, walk")
+        goal = Client("errands/rosoclingo").send("do(hold,1)")
+        status = wait_for_diagnosis(LACKING, lambda one: one.message == MISSING, "the interfaces that exist")
+        self.assertEqual(status.level, DiagnosticStatus.WARN)
+        wait_until(lambda: goal.feedback and goal.feedback[-1].status == f"waiting: {MISSING}", "the client's feedback")
+        wait_until(lambda: any(MISSING in line for line in lines), "the log")
+        with Process(
+            executable("interface"),
+            "__name:=hand",
+            "__ns:=errands",
+            "_interfaces:={hold: {type: actionlib/TestAction}}",
+        ):
+            handle = server.accept()
+            self.wait_for_interfaces("hold, run, walk")
+            awaits = "waits for _action_lib(hold,1,1)"
+            wait_for_diagnosis(LACKING, lambda one: one.message == awaits, "the end of the warning")
+            wait_until(lambda: goal.feedback[-1].status == "pending", "feedback without the warning")
+            handle.set_succeeded()
+            goal.ends_as(GoalStatus.SUCCEEDED)
+        self.wait_for_interfaces("run, walk")
+        self.assertEqual(len([line for line in lines if MISSING in line]), 1, "it is reported once")
+
+    @staticmethod
+    def wait_for_interfaces(names):
+        wait_for_diagnosis(LACKING, lambda one: values_of(one)["interfaces"] == names, names)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, executable, wait_until
+from interface_helpers import PATIENCE, CommandProcess, Process, executable, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 ERRANDS = ROOT / "test" / "data" / "errands.lp"
@@ -66,35 +66,17 @@ class MasterRestarted(unittest.TestCase):
         self.master.wait()
         self.start_master()
 
-    def request(self, goal):
-        command = (executable("request"), goal)
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
-        self.stack.callback(process.communicate)
-        self.stack.callback(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
-        return process
-
     def test_core_continues_and_is_found_again(self):
         entries = [(1, "/in_rosoclingo", "/rosoclingo"), (0, "/out_rosoclingo", "/rosoclingo")]
         self.run_node("core", f"_program_files:=[{ERRANDS}]")
         wait_until(lambda: self.known(*entries), "the core")
-        waiting = self.request("do(walk,1)")
-        self.assertTrue(any("walk" in line for line in waiting.stdout), "it is planned")
+        waiting = self.stack.enter_context(CommandProcess("request", "do(walk,1)"))
+        waiting.lines_until("walk")
         self.restart_master()
         wait_until(lambda: self.known(*entries), "the core at the new master")
         self.assertEqual(rosgraph.Master("/test").getParam("/rosoclingo/program_files"), [str(ERRANDS)])
         with Process("rostopic", "pub", "-r", "2", "in_rosoclingo", "rosoclingo/InterfaceIO", ANSWER):
-            self.assertEqual(waiting.wait(timeout=PATIENCE), 0, "the action under way succeeds")
-
-    def test_services_are_found_again(self):
-        entries = [(2, "/static_map", "/map_server"), (2, "/change_map", "/map_server")]
-        self.run_node("map_server", str(ROOT / "worlds" / "office.yaml"))
-        wait_until(lambda: self.known(*entries), "the map server")
-        self.restart_master()
-        wait_until(lambda: self.known(*entries), "the map server at the new master")
-        found = subprocess.run(
-            ["rosservice", "call", "/static_map"], check=True, timeout=PATIENCE, capture_output=True, text=True
-        )
-        self.assertIn("width: 348", found.stdout)
+            self.assertEqual(waiting.wait()[0], 0, "the action under way succeeds")
 
     @unittest.skipUnless(importlib.util.find_spec("tf2_ros"), "the office needs tf2_ros, which is compiled")
     def test_state_of_the_office_is_persisted_again(self):
@@ -113,7 +95,7 @@ class MasterRestarted(unittest.TestCase):
         with Process(str(Path(__file__).with_name("missing_listener.py"))) as listener:
             wait_until(lambda: self.known((1, "/news", "/listener")), "the listener")
             with Process("rostopic", "pub", "-r", "2", "news", "std_msgs/String", "hello"):
-                self.assertEqual(listener.lines_until("hello")[-1], "hello True\n")
+                self.assertEqual(listener.lines_until("hello")[-1], "hello True")
 
 
 if __name__ == "__main__":

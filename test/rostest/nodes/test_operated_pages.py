@@ -163,45 +163,21 @@ class OperatedPages(unittest.TestCase):
         programs = [ROOT / "encodings" / name for name in ("mailbot.lp", "office.lp")]
         self.start("mailbot", programs, ROOT / "config/office_labels.yaml", ROOT / "config/office_orders.yaml")
         order = {"form": "Deliver a package"}
-        self.deliver({**order, "package": "7", "to": "office2"}, "Bring package 7 from office3 to office2")
-        blocked = {"from": "office3", "to": "office4"}
-        self.reopen({**order, "package": "8", "to": "office4"}, "Bring package 8 from office1 to office4", blocked)
-        lie(things, {"7": "office2", "8": "office4"})
-        second = {**order, "package": "8", "to": "office3"}
-        last = "Bring package 8 from office4 to office3"
-        self.operate({**order, "package": "7", "to": "office1"}, second, "Drives to", last)
-
-    def test_house_is_operated_by_its_page(self):
-        things = rospy.Publisher("/house/packages", PackageStates, queue_size=1, latch=True)
-        lie(things, {"cup": "kitchen", "book": "study"})
-        programs = [ROOT / "encodings" / name for name in ("house.lp", "home.lp")]
-        self.start("house", programs, ROOT / "config/house_labels.yaml", ROOT / "config/house_orders.yaml")
-        order = {"form": "Bring a thing"}
-        self.deliver({**order, "thing": "cup", "room": "hallway"}, "Bring the cup to the hallway")
-        blocked = {"from": "hallway", "to": "bathroom"}
-        self.reopen({**order, "thing": "book", "room": "bathroom"}, "Bring the book to the bathroom", blocked)
-        lie(things, {"cup": "hallway", "book": "bathroom"})
-        second = {**order, "thing": "book", "room": "hallway"}
-        last = "Bring the book to the hallway"
-        self.operate({**order, "thing": "cup", "room": "kitchen"}, second, "Drives to", last)
-
-    def deliver(self, order, words):
-        """Send an order that is met."""
         self.hands.at_once = True
-        self.send(**order)
-        self.says(f"Done: {words}")
-
-    def reopen(self, order, words, blocked):
-        """Send an order while a way is blocked, ask why it failed, report that the way is clear, and send it again."""
-        self.hands.shut = blocked["to"]
-        self.send(**order)
-        self.says(f"Given up: {words} (")
-        self.why(blocked["to"])
+        self.send(**order, package="7", to="office2")
+        self.says("Done: Bring package 7 from office3 to office2")
+        self.hands.shut = "office4"
+        self.send(**order, package="8", to="office4")
+        self.says("Given up: Bring package 8 from office1 to office4 (")
+        self.why("office4")
         self.hands.shut = ""
-        self.send("The way is clear again", **blocked)
+        self.send("The way is clear again", **{"from": "office3", "to": "office4"})
         self.says("Reported: The way is clear again")
-        self.send(**order)
-        self.last_order(words, "done")
+        self.send(**order, package="8", to="office4")
+        self.last_order("Bring package 8 from office1 to office4", "done")
+        lie(things, {"7": "office2", "8": "office4"})
+        first, second = {**order, "package": "7", "to": "office1"}, {**order, "package": "8", "to": "office3"}
+        self.operate(first, second, "Drives to", "Bring package 8 from office4 to office3")
 
 
 def lie(publisher, places):

@@ -1,21 +1,14 @@
 #!/usr/bin/env python3
 """The recorder: a bag holds everything up to the end of a run, or up to the recorder's death."""
 
-import os
 import re
 import signal
-import socketserver
-import subprocess
 import sys
 import tempfile
-import threading
 import unittest
 from pathlib import Path
-from xmlrpc.server import SimpleXMLRPCServer
 
 import rosbag
-import rosgraph.network
-import rosnode
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
@@ -23,12 +16,12 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from rosoclingo.nodes.recording.bag_file import unfinished_path
-from rosoclingo.nodes.recording.recorder import TOPICS, is_recording
+from rosoclingo.nodes.recording.recorder import is_recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from interface_helpers import (
-    PATIENCE,
+    CommandProcess,
     Process,
     executable,
     full_disk,
@@ -80,24 +73,6 @@ class Recorder(unittest.TestCase):
         self.assertEqual(words, ["hello", *map(str, range(WORDS))])
         self.assertEqual(notes, ["begins", "ends, with the run: complete"])
 
-    def test_recorder_without_topics_has_its_own_list(self):
-        if rospy.has_param("/record/topics"):  # another test's
-            rospy.delete_param("/record/topics")
-        with Process(executable("record"), f"_bag:={self.bag}") as record:
-            with Process(str(HERE / "last_words.py"), "_words:=2", "last_words:=/rosoclingo/updates") as speaking:
-                wait_until(lambda: is_recording(["/rosoclingo/updates"]), "the recorder to be connected")
-                wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
-                record.signal(signal.SIGINT)
-                speaking.signal(signal.SIGINT)
-                self.assertEqual(record.wait(), (0, ""))
-        with rosbag.Bag(str(self.bag)) as read:
-            words = [one.data for _, one, _ in read.read_messages(["/rosoclingo/updates"])]
-        self.assertEqual(words, ["hello", "0", "1"])
-        command = [executable("record"), "--help"]
-        help_text = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE).stdout
-        for topic in TOPICS:
-            self.assertIn((topic.rpartition("/plan")[0] and "plans") or topic.rpartition("/")[2], help_text)
-
     def test_recorder_names_node_that_does_not_end(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
@@ -107,47 +82,6 @@ class Recorder(unittest.TestCase):
             record.signal(signal.SIGINT)
             self.assertEqual(record.wait()[0], 0)
         self.assertEqual(self.holds(), (["hello"], ["begins", "ends, later messages are missing on /last_words"]))
-
-    def test_publisher_that_refuses_the_connection_is_not_waited_for(self):
-        """As a node does that is ending when the recorder connects."""
-        refused = self.register_refusing_node("/last_words")
-        with recorder(self.bag) as record:
-            self.assertTrue(refused.wait(PATIENCE), "the recorder has not connected")
-            record.signal(signal.SIGINT)
-            self.assertEqual(record.wait()[0], 0)
-        self.assertEqual(self.holds(), ([], ["begins", "ends, with the run: complete"]))
-
-    def register_refusing_node(self, topic):
-        """Register a publisher that refuses all connections; return an event that is set by the first one."""
-        host, refused = rosgraph.network.get_host_name(), threading.Event()
-
-        class Refusal(socketserver.BaseRequestHandler):
-            def handle(self):
-                refused.set()
-                rosgraph.network.write_ros_handshake_header(self.request, {"error": "node shutting down"})
-
-        topics = socketserver.ThreadingTCPServer((host, 0), Refusal)
-        topics.daemon_threads = True
-        node = SimpleXMLRPCServer((host, 0), logRequests=False)
-        node.register_function(lambda *_: (1, "", ["TCPROS", host, topics.server_address[1]]), "requestTopic")
-        node.register_function(lambda *_: (1, "", []), "getPublications")  # so rospy gives up, but keeps the connection
-        for server in (topics, node):
-            threading.Thread(target=server.serve_forever, daemon=True).start()
-            self.addCleanup(server.server_close)
-            self.addCleanup(server.shutdown)
-        uri = f"http://{host}:{node.server_address[1]}/"
-        master = rosgraph.Master("/refusing")
-        master.registerPublisher(topic, String._type, uri)
-        self.addCleanup(master.unregisterPublisher, topic, uri)
-        return refused
-
-    def test_rosnode_kill_completes_the_bag(self):
-        with recorder(self.bag) as record, speaker():
-            wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
-            rosnode.kill_nodes(["/record"])
-            self.assertEqual(record.wait()[0], 0)
-        self.assertEqual(self.holds()[0], ["hello"])
 
     def test_killed_recorder_leaves_earlier_messages(self):
         publisher = rospy.Publisher("last_words", String, queue_size=None, latch=True)
@@ -214,37 +148,27 @@ class Recorder(unittest.TestCase):
         self.assertEqual(moments, [100.0, 100.0, 102.0])
 
     def test_bad_parameters_and_files_are_refused(self):
-        for arguments, text in (
-            (("_topics:=[]",), "~topics: must be a list of topics, not []"),
-            (("_topics:=[a]", "_bag:=/proc/no/run.bag"), "the bag /proc/no/run.bag cannot be written"),
+        for bag, topics, text in (
+            (self.bag, "[]", "~topics: must be a list of topics, not []"),
+            ("/proc/no/run.bag", "[a]", "the bag /proc/no/run.bag cannot be written"),
         ):
-            with Process(executable("record"), *[one.replace("~", "_") for one in arguments]) as process:
+            with recorder(bag, topics) as process:
                 code, error = process.wait()
             self.assertEqual(code, 1, error)
             self.assertIn(text, error)
             self.assertNotIn("Traceback", error)
 
-    def start(self, *command, **pipes):
-        process = subprocess.Popen(command, start_new_session=True, text=True, stderr=subprocess.DEVNULL, **pipes)
-        self.addCleanup(self.end, process)
-        return process
-
-    def end(self, process):
-        """Press Ctrl-C, and wait."""
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGINT)
-            process.wait(PATIENCE)
-
     def test_ctrl_c_bag_has_the_results_of_the_end(self):
         """Without world and navigation: the goal's first action waits for a server when Ctrl-C comes."""
         nothing = [f"{layer}:=none" for layer in ("sim", "nav", "map_server", "localization")]
         bag = ("record:=true", f"bag:={self.bag}")
-        launch = self.start("roslaunch", "rosoclingo", "mailbot.launch", *nothing, *bag, stdout=subprocess.DEVNULL)
-        wait_until(lambda: is_recording(["/rosoclingo/result", "/out_rosoclingo"]), "the recorder")
-        client = self.start(executable("request"), "goal(office3,office2,1)", stdout=subprocess.PIPE)
-        self.assertIn("active", client.stdout.readline())
-        self.end(launch)
-        reported = client.communicate(timeout=PATIENCE)[0].splitlines()[-1]
+        with Process("roslaunch", "rosoclingo", "mailbot.launch", *nothing, *bag) as launch:
+            wait_until(lambda: is_recording(["/rosoclingo/result", "/out_rosoclingo"]), "the recorder")
+            with CommandProcess("request", "goal(office3,office2,1)") as client:
+                client.lines_until("active")
+                launch.signal(signal.SIGINT)
+                launch.wait()
+                reported = client.wait()[1].splitlines()[-1]
         with rosbag.Bag(str(self.bag)) as bag:
             results = [message for _, message, _ in bag.read_messages(["/rosoclingo/result"])]
             notes = [message.data for _, message, _ in bag.read_messages([NOTES])]

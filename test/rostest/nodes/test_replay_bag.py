@@ -25,12 +25,10 @@ from rosoclingo.msg import GoalStates
 from rosoclingo.nodes.recording.recorder import is_recording
 from rosoclingo.oclingo import SolveOutcome
 from rosoclingo.oclingo.service.command import UNSATISFIABLE
-from rosoclingo.runs.events import SAID
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 
-import browser
 from carrying_stage import Stage
 from carrying_world import HOUSE, OFFICE, ROBOT
 from interface_helpers import Process, executable, init_node, wait_until
@@ -82,7 +80,7 @@ class ReplayBag(unittest.TestCase):
             record.signal(signal.SIGINT)
             wait_until(lambda: is_recording([]), "the recorder to wait for the others")
             record.signal(signal.SIGINT)
-            cls.ended = record.wait()[0]
+            record.wait()
         cls.plays = [stage.play for stage in stages]
 
     @classmethod
@@ -96,6 +94,7 @@ class ReplayBag(unittest.TestCase):
 
     def test_each_action_and_each_end_is_right(self):
         for play in self.plays:
+            self.assertTrue(play.over)
             self.assertEqual(play.faults, [], play.story)
             self.assertIn(play, self.ended_well, play.story)
             self.assertNotIn(ROBOT, {one.place for one in play.things.values()})
@@ -103,11 +102,6 @@ class ReplayBag(unittest.TestCase):
             self.assertGreaterEqual(play.ends["succeeded"], GOALS // 10, play.ends)
         ends = {end: sum(play.ends[end] for play in self.plays) for end in self.plays[0].ends}
         self.assertGreaterEqual(min(ends.values()), max(GOALS // 50, 1), ends)
-
-    def test_bag_holds_the_expected_topics(self):
-        self.assertEqual((self.ended, [play.over for play in self.plays]), (0, [True, True]))
-        with rosbag.Bag(str(self.bag)) as bag:
-            self.assertLessEqual(set(TOPICS), set(bag.get_type_and_topic_info().topics))
 
     def test_differences_are_all_explained(self):
         for world in WORLDS:
@@ -150,16 +144,6 @@ class ReplayBag(unittest.TestCase):
             with rosbag.Bag(str(self.bag)) as bag:
                 reported = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
             self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in reported))
-        if browser.found() is not None:
-            self.look_at(page, goals)
-
-    def look_at(self, page, goals):
-        with browser.Browser(browser.found()) as shown:
-            shown.open(page.as_uri())
-            self.assertEqual(shown.texts("#goals .state"), [SAID[goal["states"][-1][1]] for goal in goals])
-            loaded = shown.wait_for("performance.getEntriesByType('navigation')[0].loadEventEnd")
-            print(f"{page.stat().st_size // 1000} kB with {len(goals)} goals, shown after {loaded:.0f} ms")
-            self.assertEqual(shown.faults, [])
 
 
 if __name__ == "__main__":

@@ -1,9 +1,7 @@
 #!/usr/bin/env python3
 """A request from the command line ends as lost once its core is gone, with any ROS time, and not before."""
 
-import os
 import signal
-import subprocess
 import sys
 import threading
 import unittest
@@ -19,43 +17,13 @@ from rosoclingo.nodes.server_watch import SILENCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from core_helpers import ManualInterfaces
-from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_hear, wait_until
-
-ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
+from core_helpers import ManualInterfaces, start_core
+from interface_helpers import PATIENCE, CommandProcess, init_node, wait_to_hear, wait_until
 
 
-def core(namespace, *arguments):
-    """Start a core as a process; its topics are /NAMESPACE/..."""
-    files = f"_program_files:=[{ERRANDS}]"
-    return Process(executable("core"), "__name:=rosoclingo", f"__ns:={namespace}", files, *arguments)
-
-
-class Request:
-    """`rosrun rosoclingo request`, ended with the test."""
-
-    def __init__(self, server, wait, *arguments, **environment):
-        command = [executable("request"), "do(walk,1)", "--server", server, "--wait", str(wait), *arguments]
-        self._process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, text=True, start_new_session=True, env=dict(os.environ, **environment)
-        )
-
-    def end(self):
-        """Return exit code and output."""
-        said = self._process.communicate(timeout=2 * PATIENCE)[0]
-        return self._process.returncode, said
-
-    @property
-    def running(self):
-        return self._process.poll() is None
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.running:
-            os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.communicate()
+def ask(server, *arguments):
+    """Start `rosrun rosoclingo request`."""
+    return CommandProcess("request", "do(walk,1)", "--server", server, "--wait", str(PATIENCE), *arguments)
 
 
 class RequestLost(unittest.TestCase):
@@ -85,24 +53,17 @@ class RequestLost(unittest.TestCase):
         """Start a request whose action is under way."""
         hands = ManualInterfaces(f"{namespace}/")
         hands.wait_for(f"/{namespace}/rosoclingo")
-        request = Request(f"{namespace}/rosoclingo", PATIENCE)
+        request = ask(f"{namespace}/rosoclingo")
         return hands, hands.take(), request
 
     def is_lost(self, request):
-        code, said = request.end()
+        code, said = request.wait(2 * PATIENCE)
         self.assertEqual(code, 5, said)
         self.assertIn("lost: no news of do(walk,1)", said)
         self.assertIn("does not respond", said)
 
-    def test_core_is_killed(self):
-        with core("killed") as process:
-            _, _, request = self.asks("killed")
-            with request:
-                process.signal(signal.SIGKILL)
-                self.is_lost(request)
-
     def test_core_is_killed_while_time_stands_still(self):
-        with core("frozen") as process:
+        with start_core("frozen") as process:
             hands, command, request = self.asks("frozen")
             with request:
                 self.running.clear()
@@ -114,16 +75,16 @@ class RequestLost(unittest.TestCase):
             self.assertTrue(command and hands)
 
     def test_core_ends_its_goals_while_time_stands_still(self):
-        with core("paused"):
+        with start_core("paused"):
             hands, command, request = self.asks("paused")
             with request:
                 self.running.clear()
                 hands.succeed(command)
-                self.assertEqual(request.end()[0], 0)
+                self.assertEqual(request.wait(2 * PATIENCE)[0], 0)
 
     def test_request_waits_for_time_to_begin(self):
         other = "/clock:=/late_clock"
-        with core("early", other), Request("early/rosoclingo", PATIENCE, other) as request:
+        with start_core("early", other), ask("early/rosoclingo", other) as request:
             hands = ManualInterfaces("early/")
             hands.wait_for("/early/rosoclingo")
             for _ in range(int(4 * SILENCE)):
@@ -132,26 +93,26 @@ class RequestLost(unittest.TestCase):
             clock = rospy.Publisher("/late_clock", Clock, queue_size=10, latch=True)
             ticks = rospy.Timer(rospy.Duration(0.05), lambda event: clock.publish(Clock(event.current_real)))
             hands.succeed(hands.take())
-            code, said = request.end()
+            code, said = request.wait(2 * PATIENCE)
             ticks.shutdown()
         self.assertEqual(code, 0, said)
         self.assertIn("ROS time has not begun", said)
 
     def test_core_is_restarted(self):
-        with core("restarted") as process:
+        with start_core("restarted") as process:
             _, _, request = self.asks("restarted")
             with request:
                 process.signal(signal.SIGKILL)
                 process.wait()
-                with core("restarted"):
-                    code, said = request.end()
+                with start_core("restarted"):
+                    code, said = request.wait(2 * PATIENCE)
                     self.assertEqual(code, 5, said)
                     self.assertIn("lost:", said)
 
     def test_goal_of_a_killed_request_continues(self):
         results = []
         subscriber = rospy.Subscriber("orphan/rosoclingo/result", ROSoClingoActionResult, results.append)
-        with core("orphan"):
+        with start_core("orphan"):
             hands, command, request = self.asks("orphan")
             wait_to_hear(subscriber, nodes=["/orphan/rosoclingo"])
             with request:
@@ -159,21 +120,6 @@ class RequestLost(unittest.TestCase):
             hands.succeed(command)
             wait_until(lambda: results, "the goal to end")
         self.assertEqual(results[0].status.status, GoalStatus.SUCCEEDED)
-
-    def test_core_never_existed(self):
-        for running in (True, False):
-            if not running:
-                self.running.clear()
-            with Request("nobody/rosoclingo", 0.5) as request:
-                code, said = request.end()
-                self.assertEqual(code, 5)
-                self.assertIn("no action server 'nobody/rosoclingo' within 0.5 s", said)
-
-    def test_master_does_not_exist(self):
-        with Request("nobody/rosoclingo", 0.5, ROS_MASTER_URI="http://localhost:1") as request:
-            code, said = request.end()
-            self.assertEqual(code, 5)
-            self.assertIn("no ROS master at http://localhost:1", said)
 
 
 if __name__ == "__main__":

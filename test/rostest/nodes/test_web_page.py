@@ -13,8 +13,6 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
-from rosoclingo.msg import PackageState, PackageStates
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
@@ -49,8 +47,6 @@ class WebPage(unittest.TestCase):
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
-        cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
-        cls.poses = rospy.Publisher("base_pose_ground_truth", Odometry, queue_size=1)
         for topic in TOPICS:
             wait_until(lambda topic=topic: is_delivered_to("/web", topic), f"{topic} to come to the page's node")
         cls.address = rospy.wait_for_message("web/address", String).data
@@ -100,73 +96,6 @@ class WebPage(unittest.TestCase):
         self.goals("done,rejected,lost,done")
         self.assertEqual(self.page.faults, [])
 
-    def test_orders_are_met_or_cancelled_by_their_sender(self):
-        self.hands.at_once = True
-        lying = [PackageState("7", "office3", False), PackageState("8", "office1", False), PackageState("9", "", True)]
-        self.packages.publish(packages=lying)
-        wait_until(lambda: is_delivered_to("/rosoclingo", "/rosoclingo/goal", ["/web"]), "orders to come to the core")
-        self.page.wait_for("document.querySelectorAll('#orders select[name=package] option').length === 2")
-        self.order("7", "office2")
-        self.state_of("goal(office3,office2,7)", "succeeded")
-        said = "document.getElementById('messages').textContent"
-        self.page.wait_for(f"{said}.includes('Done: Bring package 7 from office3 to office2')")
-        self.hands.at_once = False
-        self.order("8", "office4")
-        self.state_of("goal(office1,office4,8)", "active")
-        with browser.Browser(browser.found()) as other:
-            other.open(self.address)
-            other.wait_for(self.shown("goal(office1,office4,8)", "active"))
-            self.assertEqual(other.run("document.querySelectorAll('#orders tbody button').length"), 0)
-        self.page.click("#orders tbody tr:last-child button")
-        wait_until(self.cancelling, "the cancel to arrive")  # it and the answers race
-        self.hands.at_once = True
-        self.hands.clear()
-        self.state_of("goal(office1,office4,8)", "canceled")
-        self.assertEqual(self.page.faults, [])
-
-    def test_moving_robot_and_blocked_way_are_shown(self):
-        self.hands.at_once = False
-        goal = self.client.send("goal(office1,office2,50)")
-        self.state_of("goal(office1,office2,50)", "active")
-        places = [self.robot_at(x) for x in (1.0, 2.0, 3.0)]
-        self.assertGreater(places[1] - places[0], 5.0)
-        self.assertGreater(places[2] - places[1], 5.0)
-        self.hands.tell("_blocked(office3,office4,now)")
-        self.hands.at_once = True
-        self.hands.clear()
-        goal.ends_as(GoalStatus.SUCCEEDED)
-        self.state_of("goal(office1,office2,50)", "succeeded")
-        self.page.wait_for("document.querySelectorAll('.map .barrier').length === 1")
-        self.assertIn("office3 – office4: shut.", self.page.text("#map .caption"))
-        self.assertEqual(self.page.faults, [])
-
-    def cancelling(self):
-        """Return whether the core has a cancel of an active goal, which it handles before any later message."""
-        return any(one.status == GoalStatus.PREEMPTING for one in self.client.raw.last_status_msg.status_list)
-
-    def robot_at(self, x):
-        """Return where the page shows the robot after it is reported at ``x`` m."""
-        message = Odometry()
-        message.pose.pose.position.x, message.pose.pose.orientation.w = x, 1.0
-
-        def seen():
-            self.poses.publish(message)
-            return self.page.run(
-                f"live.model.poses.length > 0 && live.model.poses[live.model.poses.length - 1].pose[0] === {x}"
-            )
-
-        wait_until(seen, f"the robot to be at {x} on the page")
-        return self.page.run("document.querySelector('.map .robot').getBoundingClientRect().x")
-
-    def test_hostile_words_are_refused_and_shown_as_text(self):
-        hostile = '<img src=x onerror="window.broken = 1"></script>'
-        self.client.send(hostile).ends_as(GoalStatus.REJECTED)
-        self.state_of(hostile, "rejected")
-        self.assertIn(hostile, self.page.texts("#goals tbody th"))
-        self.assertIsNone(self.page.run("window.broken"))
-        self.assertEqual(self.page.run("document.querySelectorAll('img').length"), 0)
-        self.assertEqual(self.page.faults, [])
-
     def test_scans_are_shown_as_long_as_they_are_wanted(self):
         scans = rospy.Publisher("odd/laser", LaserScan, queue_size=1)
         frames = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
@@ -204,11 +133,6 @@ class WebPage(unittest.TestCase):
             goal.ends_as(GoalStatus.SUCCEEDED)
             self.state_of("goal(office1,office2,60)", "succeeded")
         self.assertEqual(self.page.faults, [])
-
-    def order(self, package, place):
-        for name, value in (("package", package), ("to", place)):
-            self.page.run(f"document.querySelector('#orders select[name={name}]').value = '{value}'")
-        self.page.click("#orders button")
 
     def state_of(self, goal, state):
         self.page.wait_for(self.shown(goal, state))

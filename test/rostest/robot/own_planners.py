@@ -21,7 +21,7 @@ from rosoclingo.robot.navigation.recovery_behaviors import RecoveryStep
 class Surveyor(GridPlanner):
     """Plans as the grid planner does, through a waypoint; fails or finds no path on demand of the test.
 
-    For a goal between x 12 and 12.5 it needs the chart, a parameter, and searches until nobody waits any more.
+    For a goal between x 12 and 12.5 it searches until nobody waits any more.
     """
 
     def __init__(self, parameters=None):
@@ -30,7 +30,7 @@ class Surveyor(GridPlanner):
         super().__init__(parameters)
 
     def plan(self, costmap, start, goal, tolerance=None):
-        while 12.0 < goal.x < 12.5 and not self.is_cancelled() and not rospy.has_param("/chart"):
+        while 12.0 < goal.x < 12.5 and not self.is_cancelled():
             rospy.set_param("/looks_for_chart", True)
             time.sleep(0.05)
         if goal.x > 14.0:

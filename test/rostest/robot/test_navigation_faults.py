@@ -13,7 +13,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from geometry_msgs.msg import PolygonStamped, PoseStamped
+from geometry_msgs.msg import PoseStamped
 from map_msgs.msg import OccupancyGridUpdate
 from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
@@ -88,13 +88,6 @@ class NavigationFaults(unittest.TestCase):
             self.assertLess(self.driver.distance(label["x"], label["y"]), 0.2)
             self.assertGreater(self.driver.feedback - before, 10)
 
-    def test_cancelled_goal_stops_the_robot(self):
-        self.driver.send(pose_goal(13.9, 0.0))
-        self.driver.wait(lambda: self.driver.speed[0] > 0.3)
-        self.driver.client.cancel_goal()
-        self.assertEqual(self.driver.end(), (PREEMPTED, "The goal was cancelled."))
-        self.driver.wait(lambda: self.driver.speed == (0.0, 0.0))
-
     def test_new_goal_preempts_the_old_one(self):
         first = Driver()
         first.send(pose_goal(13.9, 0.0))
@@ -145,15 +138,6 @@ class NavigationFaults(unittest.TestCase):
         self.door("corridor", True)
         self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 
-    def test_obstacle_on_the_goal_can_be_taken_away(self):
-        put = rospy.ServiceProxy("/simulator/put_obstacle", PutObstacle)
-        self.assertTrue(put("crate", 5.9, 0.0, 0.3, 0.0, 0.0, 0.0).success)
-        status, text = self.driver.drive(5.9, 0.0)
-        self.assertEqual(status, ABORTED)
-        self.assertIn("not on the map", text)
-        rospy.ServiceProxy("/simulator/remove_obstacle", RemoveObstacle)("crate")
-        self.assertEqual(self.driver.drive(5.9, 0.0)[0], SUCCEEDED)
-
     def test_lost_laser_stops_robot_and_ends_goal(self):
         self.lose("base_scan", "laser is lost")
 
@@ -174,13 +158,6 @@ class NavigationFaults(unittest.TestCase):
         self.assertEqual(status, ABORTED)
         self.assertRegex(text, words)
         self.assertEqual(self.driver.drive(2.5, 0.0)[0], SUCCEEDED)
-
-    def test_reset_on_the_way_is_handled(self):
-        self.driver.send(pose_goal(9.9, 0.0))
-        self.driver.wait(lambda: self.driver.pose[0] > 4.0)
-        rospy.ServiceProxy("reset_positions", Empty)()
-        self.assertEqual(self.driver.end()[0], SUCCEEDED)
-        self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
 
     def ask(self, x, y, frame="map"):
         start, goal = PoseStamped(), PoseStamped()
@@ -215,7 +192,6 @@ class NavigationFaults(unittest.TestCase):
         """The global one is in the map's frame, the local one around the robot in odometry's; both publish updates."""
         whole = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
         self.assertEqual((whole.header.frame_id, whole.info.width, whole.info.height), ("map", 348, 208))
-        self.assertTrue({0, 99, 100, -1} <= set(whole.data))
         local = rospy.wait_for_message("/move_base/local_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
         self.assertEqual((local.header.frame_id, local.info.width, local.info.height), ("odom", 120, 120))
         self.assertAlmostEqual(local.info.origin.position.x, 1.9 - 3.0, delta=0.06)
@@ -229,9 +205,6 @@ class NavigationFaults(unittest.TestCase):
             update = next(update for update in updates if update.header.frame_id == "map")
             self.assertEqual(len(update.data), update.width * update.height)
             self.assertLess(update.width * update.height, 348 * 208 // 4)
-            column, row = ((v - o) / 0.05 for v, o in ((3.3, -0.7), (0.0, -5.2)))
-            self.assertTrue(update.x <= column <= update.x + update.width, update.x)
-            self.assertTrue(update.y <= row <= update.y + update.height, update.y)
             again = rospy.wait_for_message("/move_base/global_costmap/costmap", OccupancyGrid, timeout=PATIENCE)
             self.assertGreater(again.data.count(100), whole.data.count(100))
             self.relays["base_scan"].on = False  # so that only the service can clear it
@@ -296,38 +269,27 @@ class NavigationFaults(unittest.TestCase):
         self.assertIn("invalid quaternion", self.driver.drive(3.0, 0.0, math.nan)[1])
         self.assertEqual(self.driver.drive(3.0, 0.0)[0], SUCCEEDED)
 
-    def test_footprints_are_published(self):
-        for name, frame in (("global", "map"), ("local", "odom")):
-            footprint = rospy.wait_for_message(f"/move_base/{name}_costmap/footprint", PolygonStamped, timeout=PATIENCE)
-            self.assertEqual(footprint.header.frame_id, frame)
-            distances = [self.driver.distance(p.x, p.y) for p in footprint.polygon.points]
-            self.assertAlmostEqual(max(distances), 0.18, delta=0.02)
-
     def test_simple_goal_is_driven_and_shown(self):
         shown, results = {}, []
         simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
         links = [rospy.Subscriber("move_base/result", MoveBaseActionResult, results.append)]
-        for name, kind in (
-            ("GridPlanner/plan", Path),
-            ("RolloutFollower/global_plan", Path),
-            ("RolloutFollower/local_plan", Path),
-            ("current_goal", PoseStamped),
-        ):
-            keep = functools.partial(shown.setdefault, name)
-            links.append(rospy.Subscriber("/move_base/" + name, kind, keep))
+        frames = {
+            "GridPlanner/plan": "map",
+            "RolloutFollower/global_plan": "odom",
+            "RolloutFollower/local_plan": "odom",
+            "current_goal": "map",
+        }
+        for name in frames:
+            kind = PoseStamped if name == "current_goal" else Path
+            links.append(rospy.Subscriber("/move_base/" + name, kind, functools.partial(shown.setdefault, name)))
         wait_to_hear(*links)
         wait_until(simple.get_num_connections, "move_base to listen")
         simple.publish(pose_goal(5.9, 0.0).target_pose)
         self.driver.wait(lambda: results and len(shown) == 4)
         self.assertEqual(results[0].status.status, SUCCEEDED)
         self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
-        frames = {name: message.header.frame_id for name, message in shown.items()}
-        expected = {"GridPlanner/plan": "map", "RolloutFollower/global_plan": "odom", "current_goal": "map"}
-        self.assertEqual(frames, {**expected, "RolloutFollower/local_plan": "odom"})
-        ends = [shown[name].poses[-1].pose.position for name in ("GridPlanner/plan", "RolloutFollower/global_plan")]
-        for end in ends:
-            self.assertAlmostEqual(end.x, 5.9, delta=0.05)
-        self.assertEqual(shown["current_goal"].pose.position.x, 5.9)
+        self.assertEqual({name: message.header.frame_id for name, message in shown.items()}, frames)
+        self.assertAlmostEqual(shown["GridPlanner/plan"].poses[-1].pose.position.x, 5.9, delta=0.05)
 
 
 if __name__ == "__main__":

@@ -13,9 +13,6 @@ from actionlib import ActionClient, GoalStatus
 from actionlib.action_client import CommState
 from geometry_msgs.msg import TransformStamped
 from rosoclingo.msg import (
-    DeliverAction,
-    DeliverGoal,
-    DeliverResult,
     PackageStates,
     PickupAction,
     PickupGoal,
@@ -65,9 +62,7 @@ class Office(unittest.TestCase):
         cls.places = {}
         rospy.Subscriber("packages", PackageStates, cls.note)
         cls.pickup = ActionClient("pickup", PickupAction)
-        cls.deliver = ActionClient("deliver", DeliverAction)
         wait_for_server(cls.pickup)
-        wait_for_server(cls.deliver)
         rospy.wait_for_service("office/put_package")
         cls.put = staticmethod(rospy.ServiceProxy("office/put_package", PutPackage))
 
@@ -93,44 +88,8 @@ class Office(unittest.TestCase):
     def pick(self, package):
         return self.end(self.pickup.send_goal(PickupGoal(package=package)))
 
-    def put_down(self, package):
-        return self.end(self.deliver.send_goal(DeliverGoal(package=package)))
-
     def test_names_match_the_reference_page(self):
         check_names("office", "/office", {})
-
-    def test_package_goes_from_office_to_office(self):
-        status, result = self.pick("1")
-        self.assertEqual(
-            (status, result.outcome, result.location), (GoalStatus.SUCCEEDED, PickupResult.SUCCEEDED, "office1")
-        )
-        wait_until(lambda: self.places["1"] == "carried", "the package to be carried")
-        self.stand(5.2)
-        status, result = self.put_down("1")
-        self.assertEqual(
-            (status, result.outcome, result.location), (GoalStatus.SUCCEEDED, DeliverResult.SUCCEEDED, "office2")
-        )
-        wait_until(lambda: self.places["1"] == "office2", "the package to lie in office2")
-
-    def test_reasons_name_the_cause(self):
-        for act, package, outcome, text in (
-            (self.pick, "5", PickupResult.NOT_HERE, "package 5 is at office2, the robot at office1"),
-            (self.pick, "9", PickupResult.UNKNOWN_PACKAGE, "there is no package 9"),
-            (self.put_down, "1", DeliverResult.NOT_CARRIED, "the robot does not carry package 1, it lies at office1"),
-        ):
-            status, result = act(package)
-            self.assertEqual((status, result.outcome, result.message), (GoalStatus.ABORTED, outcome, text))
-
-    def test_three_packages_at_most_on_concurrent_requests(self):
-        handles = [self.pickup.send_goal(PickupGoal(package=str(package))) for package in range(1, 5)]
-        ends = [self.end(handle) for handle in handles]
-        self.assertEqual([status for status, _ in ends], [GoalStatus.SUCCEEDED] * 3 + [GoalStatus.ABORTED])
-        self.assertEqual(ends[3][1].outcome, PickupResult.FULL)
-
-    def test_robot_between_offices_handles_nothing(self):
-        self.stand(2.5)
-        status, result = self.pick("1")
-        self.assertEqual((status, result.outcome, result.location), (GoalStatus.ABORTED, PickupResult.NOT_AT_LABEL, ""))
 
     def test_lost_robot_handles_nothing(self):
         self.robot.x = None
@@ -193,21 +152,6 @@ class Office(unittest.TestCase):
             self.assertIn(fault, str(caught.exception))
             for name in values:
                 rospy.delete_param("~" + name)
-
-    def test_exit_code_shows_the_result(self):
-        with Process(executable("office"), "__ns:=broken") as node:
-            code, error = node.wait()
-        self.assertEqual(code, 1)
-        self.assertIn("/broken/office: ~labels: is missing", error)
-
-    def test_packages_can_appear_up_to_the_capacity(self):
-        parameters = ["_labels:={b: [0, 0]}", "_appear:=true", "_capacity:=1", "_duration:=0"]
-        with Process(executable("office"), "__ns:=other", *parameters):
-            client = ActionClient("other/pickup", PickupAction)
-            wait_for_server(client)
-            pick = lambda package: self.end(client.send_goal(PickupGoal(package=package)))[1].outcome  # noqa: E731
-            wait_until(lambda: pick("new") != PickupResult.NOT_AT_LABEL, "the pose to arrive")
-            self.assertEqual(pick("newer"), PickupResult.FULL)
 
 
 if __name__ == "__main__":

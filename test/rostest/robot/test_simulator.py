@@ -99,18 +99,6 @@ class SimulatorTest(unittest.TestCase):
         ticks = [message.clock.to_sec() for message in self.clock.wait(lambda m: len(m) > 20)]
         self.assertTrue(all(abs(b - a - 0.1) < 1e-6 for a, b in zip(ticks, ticks[1:])))
 
-    def test_frames_are_those_of_stage_ros(self):
-        self.assertEqual(self.odom.messages[-1].header.frame_id, "odom")
-        self.assertEqual(self.odom.messages[-1].child_frame_id, "base_footprint")
-        scan = self.scan.messages[-1]
-        self.assertEqual((scan.header.frame_id, len(scan.ranges)), ("base_laser_link", 270))
-        found = self.buffer.lookup_transform("odom", "base_laser_link", rospy.Time(0), rospy.Duration(5.0)).transform
-        self.assertAlmostEqual(found.translation.x, START[0], places=3)
-        self.assertAlmostEqual(found.translation.y, START[1] + 0.05, places=3)
-        self.assertAlmostEqual(found.translation.z, 0.25, places=3)
-        for parent, child in (("odom", "base_footprint"), ("base_footprint", "base_link")):
-            self.assertTrue(self.buffer.can_transform(parent, child, rospy.Time(0)))
-
     def test_watchdog_stops_the_robot(self):
         self.drive_until(lambda m: m.twist.twist.linear.y > 0.1)
         self.odom.wait(lambda m: m and m[-1].twist.twist.linear.x == 0.0)
@@ -140,67 +128,29 @@ class SimulatorTest(unittest.TestCase):
             self.assertAlmostEqual((answer.time - time).to_sec(), 0.7, places=6)
         finally:
             self.pause(False)
-        self.clock.wait(lambda m: len(m) > 3)
-        answer = self.step(1)
-        self.assertFalse(answer.success)
-        self.assertIn("paused", answer.message)
-        self.assertTrue(self.pause(True).success)
-        try:
-            self.assertIn("too many", self.step(2**32 - 1).message)
-            self.assertTrue(self.step(1).success)
-        finally:
-            self.pause(False)
+        self.assertIn("paused", self.step(1).message)
 
-    def test_door_blocks_beam_and_cannot_close_on_robot(self):
+    def test_services_change_the_world_or_say_why_not(self):
         def ahead():
             return self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135]
 
         self.assertGreater(ahead(), 2.0)
         self.assertTrue(self.door("office1", False).success)
         self.assertAlmostEqual(ahead(), 1.075 - 0.05, delta=0.1)
-        self.assertTrue(self.door("office1", True).success)
-        self.assertGreater(ahead(), 2.0)
         self.assertIn("gate", self.door("gate", True).message)
-        self.assertTrue(self.place("", 1.9, 1.075, 0.0).success)
-        answer = self.door("office1", False)
-        self.assertFalse(answer.success)
-        self.assertIn("mailbot", answer.message)
-
-    def test_obstacles_can_be_added_and_removed(self):
         self.assertTrue(self.put("crate", 1.9, 0.8, 0.2, 0.0, 0.0, 0.0).success)
-        self.assertAlmostEqual(self.scan.wait(lambda m: len(m) > 1)[-1].ranges[135], 0.55, delta=0.1)
-        self.assertTrue(self.remove("crate").success)
-        self.assertFalse(self.remove("crate").success)
-        for name, numbers, words in (
-            ("crate", (99.0, 0.0, 0.2, 0.0, 0.0, 0.0), "off the map"),
-            ("crate", (5.0, 0.0, 0.2, 1.0, 1.0, 0.0), "either a positive radius"),
-            ("crate", (*START, 0.0, 3.0, 3.0, 0.0), "collide with robot 'mailbot'"),
-            ("", (5.0, 0.0, 0.2, 0.0, 0.0, 0.0), "needs a name"),
-        ):
-            answer = self.put(name, *numbers)
-            self.assertFalse(answer.success)
-            self.assertIn(words, answer.message)
-        self.assertFalse(self.remove("crate").success)
-
-    def test_poses_can_be_set(self):
+        self.assertAlmostEqual(ahead(), 0.55, delta=0.1)
+        self.assertEqual([self.remove("crate").success for _ in range(2)], [True, False])
         self.assertTrue(self.place("mailbot", 5.0, 0.2, 1.0).success)
         pose = self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose
         self.assertAlmostEqual(pose.position.x, 5.0)
         self.assertAlmostEqual(2.0 * math.atan2(pose.orientation.z, pose.orientation.w), 1.0)
         self.assertIn("wall", self.place("", 7.93, 3.0, 0.0).message)
-        self.assertIn("rover", self.place("rover", 5.0, 0.0, 0.0).message)
-        rospy.ServiceProxy("reset_positions", Empty)()
-        self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, START[0])
-
-    def test_reset_is_refused_if_start_is_occupied(self):
-        self.assertTrue(self.place("", 5.0, 0.0, 0.0).success)
         self.assertTrue(self.put("crate", *START, 0.2, 0.0, 0.0, 0.0).success)
-        try:
-            with self.assertRaisesRegex(rospy.ServiceException, "mailbot"):
-                rospy.ServiceProxy("reset_positions", Empty)()
-            self.assertAlmostEqual(self.truth.wait(lambda m: len(m) > 1)[-1].pose.pose.position.x, 5.0)
-        finally:
-            self.remove("crate")
+        with self.assertRaisesRegex(rospy.ServiceException, "mailbot"):
+            rospy.ServiceProxy("reset_positions", Empty)()
+        self.assertTrue(self.remove("crate").success)
+        self.assertTrue(self.door("office1", True).success)
 
     def test_speed_parameter_is_checked(self):
         speed = self.service("set_speed", SetSpeed)

@@ -6,8 +6,6 @@ Of the first launch numba's cache is empty; a goal that is sent at once succeeds
 
 import os
 import shutil
-import signal
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -25,7 +23,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, executable, init_node, kill, wait_for_server, wait_to_hear
+from interface_helpers import PATIENCE, CommandProcess, init_node, kill, wait_for_server, wait_to_hear
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 COMPILING = 500.0  # limit in seconds of wall time: a minute of computing, on any busy machine
@@ -118,21 +116,6 @@ class TimeJump(unittest.TestCase):
             ):
                 pass
 
-    def test_zzz_move_base_dies_on_the_way_and_returns(self):
-        """The watchdog stops the robot; the new move_base accepts goals like the old one."""
-        driver = Driver()
-        driver.send(pose_goal(13.9, 0.0))
-        driver.wait(lambda: driver.speed[0] > 0.3)
-        rosnode.kill_nodes(["/move_base"])
-        driver.wait(lambda: driver.speed == (0.0, 0.0))
-        x = driver.pose[0]
-        self.assertLess(x, 12.0)
-        again = Driver()
-        again.send(pose_goal(x + 1.0, 0.0))
-        self.assertEqual(again.end(), (SUCCEEDED, "Goal reached."))
-        self.assertLess(again.distance(x + 1.0, 0.0), 0.2)
-        self.assertEqual(again.collisions, [])
-
 
 class Killed(unittest.TestCase):
     """Each part of the robot and of the interface layer is killed while a request is under way."""
@@ -140,31 +123,26 @@ class Killed(unittest.TestCase):
     def drives(self):
         self.driver.wait(lambda: self.driver.speed[0] > 0.3)
 
-    def request(self, goal):
-        process = subprocess.Popen([executable("request"), goal], start_new_session=True)
-        self.addCleanup(lambda: process.poll() is None and os.killpg(process.pid, signal.SIGKILL))
-        return process
-
     def place(self, package):
         message = rospy.wait_for_message("packages", PackageStates, timeout=PATIENCE)
         return next(one.location for one in message.packages if one.id == package)
 
     def test_request_survives_navigation_and_simulator(self):
         self.driver = Driver()
-        request = self.request("goal(office3,office2,1)")
-        self.drives()
-        stops = self.driver.stops
-        kill("move_base")
-        self.driver.wait(lambda: self.driver.stops > stops)
-        self.drives()
-        kill("map_server", "fake_localization", "move_base")
-        self.drives()
-        before = rospy.get_time()
-        kill("simulator")
-        self.driver.wait(lambda: rospy.get_time() < before)
-        self.drives()
-        kill("simulator", "move_base", "move_base_interface", "office")
-        self.assertEqual(request.wait(timeout=PATIENCE), 0)
+        with CommandProcess("request", "goal(office3,office2,1)") as request:
+            self.drives()
+            stops = self.driver.stops
+            kill("move_base")
+            self.driver.wait(lambda: self.driver.stops > stops)
+            self.drives()
+            kill("map_server", "fake_localization", "move_base")
+            self.drives()
+            before = rospy.get_time()
+            kill("simulator")
+            self.driver.wait(lambda: rospy.get_time() < before)
+            self.drives()
+            kill("simulator", "move_base", "move_base_interface", "office")
+            self.assertEqual(request.wait()[0], 0)
         self.assertEqual(self.place("1"), "office2")
 
 

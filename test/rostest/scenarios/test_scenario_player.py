@@ -20,7 +20,6 @@ from std_msgs.msg import String
 from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.scenarios import player as scenario_player
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
-from rosoclingo.runs.account import Account
 from rosoclingo.runs.scenario import Scenario
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -96,30 +95,6 @@ class ScenarioPlayerTest(unittest.TestCase):
     def test_player_reports_a_cancel_of_nothing(self):
         player = ScenarioPlayer(read("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
         self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
-
-    def test_package_reported_after_the_last_goal_counts(self):
-        account = Account(print)
-        news = iter(["", "", "office1"])
-
-        def tell():
-            for place in itertools.islice(news, 1):
-                account.packages(0.0, [("1", place)])
-
-        expect = {"packages": {"1": "office1"}}
-        tell()
-        self.assertTrue(account.differences(expect))
-        player = ScenarioPlayer(read(f"{{events: [], expect: {expect}}}"), [], print, tell)
-        player.account = account
-        player.play()
-        self.assertEqual(account.differences(expect), [])
-
-    def test_scenario_ends_if_expected_news_never_come(self):
-        account, expect = Account(print), {"robot": "office1"}
-        with mock.patch.object(scenario_player, "LATE_NEWS", 0.2):
-            player = ScenarioPlayer(read(f"{{events: [], expect: {expect}}}"), [], print)
-            player.account = account
-            player.play()
-        self.assertEqual(account.differences(expect), ["robot: expected office1, found "])
 
 
 if __name__ == "__main__":

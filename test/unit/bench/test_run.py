@@ -96,32 +96,6 @@ def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
     assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
 
 
-@pytest.mark.slow
-def test_bench_run_uses_bench_of_commit_if_own_fails_there(repository, capfd):
-    repository.bench("a value")
-    commit = repository.commit(3)
-    repository.bench("a value", NEEDS_NEW)
-    repository.write("src/new.py", "")
-    repository.write("src/value", "2")
-    assert compare(repository, commit) == [("a value", (2.0,) * 3, (3.0,) * 3)]
-    assert "not available" not in capfd.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        ("raise SystemExit(3)", "exit code 3"),
-        ("raise SystemExit", "no figures"),
-        ("import time\ntime.sleep(600)", "end"),
-    ],
-)
-def test_bench_run_reports_a_bench_that_fails_here(repository, monkeypatch, more, message):
-    monkeypatch.setattr(run, "LIMIT", 10.0 if "exit" in more else 0.5)
-    repository.bench("a value", more)
-    with pytest.raises(run.BenchError, match=message):
-        compare(repository, repository.commit(3))
-
-
 def test_bench_run_reports_commit_that_cannot_be_built(repository):
     repository.write("dev", "#!/bin/sh\nexit 1\n").chmod(0o755)
     repository.bench("a value")

@@ -40,21 +40,3 @@ def test_database_changes_nothing_if_a_transaction_fails(database):
     assert "syntax error" in database.fault
     assert database.run(words) == ["a"]
     assert database.fault == ""
-
-
-def test_database_that_is_damaged_is_set_aside(database):
-    database.path.parent.mkdir()
-    database.path.write_bytes(b"nonsense " * 1000)
-    assert database.run(words) is None
-    assert "not a database" in database.fault
-    assert database.run(add("a")) == "a"
-    assert (database.path.parent / "words.db.damaged").read_bytes() == b"nonsense " * 1000
-
-
-def test_database_that_is_set_aside_has_all_in_one_file(database):
-    database.run(add("a"))
-    aside = database.set_aside("old")
-    assert [one.name for one in database.path.parent.iterdir()] == ["words.db.old"]
-    with closing(sqlite3.connect(str(aside))) as db:
-        assert words(db) == ["a"]
-    assert database.run(words) == []

@@ -35,13 +35,6 @@ def test_labels_can_have_titles_for_people():
         LabelTable.from_mapping({"a": {"x": 1, "y": 2, "title": 7}})
 
 
-def test_labels_error_lists_the_known_labels():
-    with pytest.raises(UnknownLabelError, match=r"no label cellar; known labels: office1, bedroom, 7"):
-        TABLE["cellar"]
-    with pytest.raises(UnknownLabelError, match="no label cellar; known labels: none"):
-        LabelTable()["cellar"]
-
-
 @pytest.mark.parametrize(
     ("data", "fault"),
     [
@@ -58,6 +51,13 @@ def test_labels_error_lists_the_known_labels():
 def test_labels_faults_name_their_place(data, fault):
     with pytest.raises(LabelError, match=fault):
         LabelTable.from_mapping(data)
+
+
+def test_labels_error_lists_the_known_labels():
+    with pytest.raises(UnknownLabelError, match=r"no label cellar; known labels: office1, bedroom, 7"):
+        TABLE["cellar"]
+    with pytest.raises(UnknownLabelError, match="no label cellar; known labels: none"):
+        LabelTable()["cellar"]
 
 
 def test_labels_nearest_one_is_within_tolerance():

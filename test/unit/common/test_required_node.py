@@ -155,13 +155,3 @@ def test_required_node_that_crashes_early_ends_roslaunch(serving, ended, monkeyp
     with pytest.raises(SystemExit):
         live(lambda: now.insert(0, now[0] + seconds), 1)
     assert ended == (THE_END if ends else [])
-
-
-@pytest.mark.parametrize(("reason", "ends"), [("[/c] Reason: new node registered with same name", True), ("x", False)])
-def test_required_node_whose_name_is_taken_ends_roslaunch(serving, ended, monkeypatch, reason, ends):
-    rospy, hooks = pytest.importorskip("rospy"), []
-    monkeypatch.setattr(rospy.core, "add_preshutdown_hook", hooks.append)
-    master(serving, monkeypatch, roslaunch(serving, **own()))
-    with pytest.raises(SystemExit):
-        live(lambda: hooks[0](f"external shutdown request from [/master]: [{reason}]"), 0)
-    assert ended == (THE_END if ends else [])

@@ -51,13 +51,6 @@ def test_start_help_names_parameters_without_a_master(script):
     assert ":class:" not in done.stdout
 
 
-@pytest.mark.slow
-def test_start_refuses_unknown_arguments():
-    done = run("core", "program.lp", "_program_files:=[x.lp]", "__name:=y")
-    assert done.returncode == 2
-    assert "unrecognized arguments: program.lp" in done.stderr
-
-
 def run_without(modules, folder, script, *arguments):
     for module in modules:
         text = f"No module named '{module}'"
@@ -77,25 +70,6 @@ def test_start_without_clingo_explains_its_installation(script, tmp_path):
         assert done.stderr.startswith(f"{script}: clingo is not installed for {sys.executable} (Python 3.")
         assert done.stderr.rstrip().endswith(f"{sys.executable} -m pip install 'clingo>=5.7'")
     assert "Traceback" not in done.stderr
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(
-    ("script", "module", "package"),
-    [
-        ("simulator", "numba", "numba"),
-        pytest.param("move_base", "llvmlite", "numba", marks=pytest.mark.slow),
-        pytest.param("map_server", "PIL", "Pillow", marks=pytest.mark.slow),
-    ],
-)
-def test_start_of_simulation_nodes_reports_missing_modules(script, module, package, tmp_path):
-    done = run_without([module], tmp_path, script, "--help")
-    if "tf2_ros is not installed" in done.stderr and find_spec("tf2_ros") is None:
-        pytest.skip("tf2_ros is compiled, and not for this Python")
-    assert done.returncode == 1
-    (line,) = done.stderr.splitlines()
-    assert line.startswith(f"{script}: {module} is not installed for {sys.executable} (Python 3.")
-    assert line.endswith(f": rosdep install rosoclingo, or {sys.executable} -m pip install {package}")
 
 
 def test_start_reports_other_missing_modules():

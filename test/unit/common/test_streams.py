@@ -117,23 +117,3 @@ def test_streams_commands_print_any_text_in_any_locale(folder, command, words, e
     output, errors = run(folder, environment, *command)
     assert "Traceback" not in errors, errors
     assert re.search(words, output + errors), (output, errors)
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
-@pytest.mark.parametrize("command", [("gringo3to5", "küche3.lp"), ("golog", "küche.golog")])
-def test_streams_programs_are_utf8_in_any_locale(folder, command, environment):
-    output, _ = run(folder, environment, *command)
-    assert '("Küche")' in output
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize("environment", LOCALES, ids=["C", "C-ascii", "ascii"])
-def test_streams_standard_input_is_utf8_in_any_locale(folder, environment):
-    output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode())
-    assert errors == ""
-    assert re.search(rf'<stdin>:4:.*\n.*out\("{KITCHEN}",t\)', output)
-    output, errors = run(folder, environment, "check", "-", given=PROGRAM.encode("latin-1"))
-    assert "Traceback" not in errors

@@ -72,28 +72,6 @@ def test_worker_end_leaves_no_question_waiting(make, monkeypatch, job):
     assert found.get_nowait() == "/node does not answer: its worker has ended", "a question that comes later"
 
 
-@pytest.mark.parametrize("at_the_end", [False, True])
-def test_worker_error_ends_node_with_a_traceback(make, monkeypatch, at_the_end):
-    logged, ended, after = [], [], []
-    monkeypatch.setattr(worker_module, "_failure", threading.Event())
-    monkeypatch.setattr(rospy, "logfatal", lambda text, *values: logged.append(text % values))
-    monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
-    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: at_the_end)
-    worker = make()
-    worker.put(lambda: 1 / 0)
-    worker.put(lambda: after.append(1))
-    worker.start()
-    worker.stop(PATIENCE)
-    assert not after, "its state is perhaps inconsistent"
-    assert worker_module.failed() != at_the_end
-    if at_the_end:
-        assert not logged, "topics are closed then, which is not a fault"
-    else:
-        assert len(logged) == len(ended) == 1
-        assert "Traceback" in logged[0]
-        assert "ZeroDivisionError" in logged[0]
-
-
 NODE = """
 import sys, rospy
 from rosoclingo.common import starting
@@ -118,19 +96,3 @@ def test_worker_failure_gives_the_node_exit_code_1(job, code):
     )
     assert done.returncode == code, done.stderr
     assert ("the worker failed, the node shuts down" in done.stderr) == bool(code)
-
-
-def test_worker_settlers_take_turns_and_name_due_time(make):
-    first, second = queue.Queue(), queue.Queue()
-
-    def soon():
-        second.put(1)
-        return 0.001
-
-    worker = make(lambda: first.put(1), period=3600.0)
-    worker.add(soon)
-    worker.put(lambda: None)
-    worker.start()
-    for _ in range(20):
-        first.get(timeout=PATIENCE)
-        second.get(timeout=PATIENCE)

@@ -27,10 +27,6 @@ def after(one, *events, ended=None):
 SENT = (ActionEvent.SERVER_FOUND, ActionEvent.ACKNOWLEDGED)
 
 
-def test_attempt_without_goal_is_preempted_by_cancel():
-    assert attempt(ActionEvent.CANCEL).conclusion.status == "preempted"
-
-
 @pytest.mark.parametrize("status", ["preempted", "recalled", "aborted", "rejected", "succeeded"])
 def test_attempt_with_cancelled_goal_ends_as_server_says(status):
     event = ActionEvent.PREEMPTED if status in ("preempted", "recalled") else ActionEvent.ENDED
@@ -49,12 +45,6 @@ def test_attempt_cancelled_between_goals_keeps_first_end():
     assert first.should_retry(first.conclusion, Function("failed"), ("failed",))
     second = first.next_attempt(first.conclusion, NOW)
     assert after(second, ActionEvent.CANCEL).conclusion == GoalEnd("aborted", "slipped")
-
-
-def test_attempt_cancelled_while_retrying_an_absent_server_preempts():
-    first = attempt(ActionEvent.EXPIRED)
-    assert first.conclusion.status == "server_lost"
-    assert after(first.next_attempt(first.conclusion, NOW), ActionEvent.CANCEL).conclusion.status == "preempted"
 
 
 @pytest.mark.parametrize(

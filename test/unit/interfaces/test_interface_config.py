@@ -1,17 +1,13 @@
 """Entries of config/interfaces.yaml: accepted values, and each fault with its place."""
 
-from pathlib import Path
-
 import pytest
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.attempt import ActionLimits
-from rosoclingo.interfaces.config import ConfigError, read_limits, read_values, survey
+from rosoclingo.interfaces.config import ConfigError, read_values, survey
 
-SHIPPED = Path(__file__).resolve().parents[3] / "config" / "interfaces.yaml"
 TYPE = {"type": "actionlib/TestAction"}
 
 
@@ -21,18 +17,6 @@ def read_specs(data, values=None):
     specs = survey(reader, values)
     reader.check(ConfigError)
     return specs
-
-
-def test_interface_config_of_package_is_read():
-    specs = read_specs(yaml.safe_load(SHIPPED.read_text()))
-    assert sorted(specs) == ["deliver", "move_base", "pickup"]
-    assert specs["move_base"].server == "move_base"
-    assert specs["pickup"].rules == specs["deliver"].rules
-    assert {name: (spec.repeatable, spec.done is not None) for name, spec in specs.items()} == {
-        "move_base": (True, False),
-        "pickup": (False, True),
-        "deliver": (False, True),
-    }
 
 
 def test_interface_config_with_all_keys_is_read():
@@ -154,29 +138,6 @@ def test_interface_config_values_are_lists_of_constants(values, fault):
     read_values(reader)
     with pytest.raises(ConfigError, match=fault):
         reader.check(ConfigError)
-
-
-def test_interface_config_faulty_entry_is_checked_further():
-    reader = Reader(
-        {"arm": {**TYPE, "timeout": -1, "goal": {"x": "$y", "z": "$", "goal": 1}}, "leg": {"type": 3}},
-        source="~interfaces: ",
-    )
-    specs = survey(reader)
-    assert reader.faults == [
-        "~interfaces: arm.goal.x: no $y; known are $parameter, $cycle, $now, $1, $2 ...",
-        "~interfaces: arm.goal.z: '$': write $name alone, ${name} inside a text, $$ for a dollar sign",
-        "~interfaces: arm.timeout: must be a number of at least 0, not -1",
-        "~interfaces: leg.type: must be an action type like move_base_msgs/MoveBaseAction, not 3",
-    ]
-    assert specs["arm"].type == "actionlib/TestAction"
-    assert specs["leg"].type == ""
-
-
-def test_interface_config_limits_are_read_alone():
-    assert read_limits(Reader({"timeout": 7}), ActionLimits(1.0, 2.0, 3)) == ActionLimits(7.0, 2.0, 3)
-    reader = Reader({"retries": -1}, "~")
-    assert read_limits(reader) == ActionLimits()
-    assert reader.faults == ["~retries: must be an integer of at least 0, not -1"]
 
 
 SCALARS = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("$parameter"))

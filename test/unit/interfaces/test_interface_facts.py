@@ -24,13 +24,6 @@ from rosoclingo.runs.topic_atoms import run_in
 OFFICE2 = Function("office2")
 
 
-def test_facts_action_is_read_and_answered():
-    command = parse_command("_action_lib(move_base,office2,1)", "move_base")
-    assert command == (Action(Function("move_base"), OFFICE2, 1), False)
-    assert return_text(command.action, OFFICE2) == "_return(move_base,office2,1)"
-    assert return_text(command.action, Function("failed")) == "_return(move_base,failed,1)"
-
-
 #: Parameters and reasons: answers of interfaces and core, words of an entry, terms around them.
 WORDS = (
     "failed",
@@ -70,22 +63,6 @@ def test_facts_reason_never_equals_success_of_an_action(parameters, reason, data
 
 
 @pytest.mark.parametrize(
-    ("reason", "succeeded", "value"),
-    [
-        ("rejected", False, "failed(rejected)"),
-        ("rejected", True, "rejected"),
-        ("left", True, "failed(left,rejected)"),
-        ("failed(rejected)", False, "failed(rejected)"),
-        ("blocked(left)", False, "failed(blocked(left),rejected)"),
-    ],
-)
-def test_facts_keep_return_and_extra_facts_apart(reason, succeeded, value):
-    sent = [Action(Function("drop"), Function(what), 3) for what in ("left", "rejected")]
-    action = sent[1]
-    assert str(return_value(action, read_term(reason), succeeded, sent.__contains__)) == value
-
-
-@pytest.mark.parametrize(
     ("sender", "owner", "may"),
     [
         (("core", "new"), ("core", "new"), True),
@@ -103,13 +80,6 @@ def test_facts_of_a_replaced_core_cancel_nothing(sender, owner, may):
 def test_facts_run_is_read():
     assert run_in('_run("4f-2 a")') == "4f-2 a"
     assert [run_in(text) for text in ("_run(4)", "_run(a)", '_run("a","b")', '_rum("a")', "_run(", "")] == [None] * 6
-
-
-def test_facts_cancellation_names_the_same_action():
-    run = parse_command("_action_lib(arm(left),pose(1,up),12).", "arm(left)")
-    cancel = parse_command("_cancel(arm(left), pose(1, up), 12)", "arm(left)")
-    assert cancel.cancels
-    assert cancel.action == run.action
 
 
 @pytest.mark.parametrize(

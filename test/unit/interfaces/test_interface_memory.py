@@ -53,13 +53,6 @@ def test_memory_without_a_readable_file_is_kept_by_the_process(tmp_path):
         assert unsaved.recall(PICKUP) == Record("goal-1")
 
 
-def test_memory_of_other_interfaces_has_separate_files(tmp_path):
-    memory(tmp_path).note_begun(PICKUP, "goal-1")
-    other = ActionMemory(tmp_path, "/robot_pickup/interface pickup")  # the same letters, divided differently
-    other.begin_run("first")
-    assert other.recall(PICKUP) is None
-
-
 @pytest.mark.parametrize("damage", [b"nonsense " * 1000, b"SQLite format 3\0" + b"\xff" * 4096])
 def test_memory_damaged_database_is_reported_and_set_aside(tmp_path, damage):
     dead = memory(tmp_path)
@@ -72,19 +65,6 @@ def test_memory_damaged_database_is_reported_and_set_aside(tmp_path, damage):
     assert Path(f"{heir.path}.damaged").read_bytes() == damage
     heir.note_begun(PICKUP, "goal-2")
     assert memory(tmp_path).recall(PICKUP) == Record("goal-2")
-
-
-def test_memory_database_damaged_while_open_is_rewritten(tmp_path):
-    one = memory(tmp_path)
-    one.note_answered(PICKUP, ANSWER)
-    one.close()
-    one.path.write_bytes(b"nonsense " * 1000)
-    one.note_begun("_action_lib(pickup,2,3)", "goal-2")
-    assert "cannot write" in one.trouble
-    one.tend(RETRY)
-    assert not one.trouble
-    assert memory(tmp_path).recall(PICKUP) == Record("", ANSWER)
-    assert memory(tmp_path).recall("_action_lib(pickup,2,3)") == Record("goal-2")
 
 
 def test_memory_is_written_once_full_disk_has_room(tmp_path):
@@ -103,20 +83,6 @@ def test_memory_is_written_once_full_disk_has_room(tmp_path):
     assert memory(tmp_path).recall(PICKUP) == Record("goal-1", ANSWER)
 
 
-def test_memory_starts_on_a_full_disk_and_writes_later(tmp_path):
-    one = memory(tmp_path)
-    with room_for(4096):
-        for number in range(300):
-            one.note_begun(f"_action_lib(pickup,1,{number})", f"goal-{number}")
-        assert "cannot write" in one.trouble
-    one.tend(RETRY)
-    assert not one.trouble
-    heir = memory(tmp_path)
-    assert [heir.recall(f"_action_lib(pickup,1,{one})") for one in range(300)] == [
-        Record(f"goal-{one}") for one in range(300)
-    ]
-
-
 @pytest.mark.slow
 def test_memory_keeps_last_answers_and_all_running_actions(tmp_path):
     one = memory(tmp_path)
@@ -131,6 +97,13 @@ def test_memory_keeps_last_answers_and_all_running_actions(tmp_path):
         assert known.recall(f"_action_lib(pickup,2,{5 * KEPT - 1})") is None
         assert known.recall(f"_action_lib(pickup,2,{5 * KEPT})") is not None
     assert largest < 1_000_000
+
+
+def test_memory_of_other_interfaces_has_separate_files(tmp_path):
+    memory(tmp_path).note_begun(PICKUP, "goal-1")
+    other = ActionMemory(tmp_path, "/robot_pickup/interface pickup")  # the same letters, divided differently
+    other.begin_run("first")
+    assert other.recall(PICKUP) is None
 
 
 def test_memory_forgets_former_runs(tmp_path):

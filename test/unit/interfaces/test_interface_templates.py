@@ -127,17 +127,6 @@ def test_template_first_matching_rule_answers():
     assert "is not a ground atom" in first.warnings[0]
 
 
-def test_template_adds_facts_and_terms_from_result():
-    rule = Rule("$result.location", facts=("at(${result.location},${cycle})", "$result.missing"))
-    given = answer((rule,), scope(ended=GoalEnd("succeeded", "", RESULT)))
-    assert str(given.value) == "office4"
-    assert given.facts == ("at(office4,5)",)
-    assert len(given.warnings) == 1
-    given = answer((Rule("$result.missing"),), scope(ended=GoalEnd("aborted", "", RESULT)))
-    assert str(given.value) == "failed"
-    assert "the result has no missing" in given.warnings[0]
-
-
 def said(words, *facts, returns="$result.message", parameter="office2"):
     """Return what an entry makes of a server's words."""
     return answer(
@@ -208,19 +197,6 @@ def test_template_server_words_in_a_fact(words, template, fact, warning):
 
 
 @pytest.mark.parametrize(
-    ("words", "template", "value"),
-    [
-        ("a,b", "heard(${text})", "office2"),
-        ("a b", "at_${text}", '"at_a b"'),
-        ('"', "no way: ${text}", '"no way: \\""'),
-        ("hall", "$text", "hall"),
-    ],
-)
-def test_template_server_words_in_a_return(words, template, value):
-    assert str(said(words, returns=template).value) == value
-
-
-@pytest.mark.parametrize(
     ("rule", "ended", "success"),
     [
         ({"status": "aborted", "return": "$parameter"}, GoalEnd("aborted"), None),
@@ -239,6 +215,11 @@ def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
         assert str(given.value) == "office2"
 
 
+PIECES = st.sampled_from(
+    ["$", "{", "}", "parameter", "1", "2", ".", "0", "pose", "x", "cycle", "now", "result", "a ", "$$"]
+)
+
+
 @pytest.mark.parametrize(
     ("verdict", "ended", "status"),
     [
@@ -251,11 +232,6 @@ def test_template_constant_is_a_reason_and_never_success(rule, ended, success):
 )
 def test_template_own_verdict_stands_unless_server_succeeded(verdict, ended, status):
     assert conclude(verdict, ended).status == status
-
-
-PIECES = st.sampled_from(
-    ["$", "{", "}", "parameter", "1", "2", ".", "0", "pose", "x", "cycle", "now", "result", "a ", "$$"]
-)
 
 
 @given(

@@ -77,20 +77,6 @@ def test_account_names_no_place_between_labels(account, take):
     assert account.places.robot == "away from every label", "nothing says where odom is"
 
 
-@pytest.mark.parametrize("labels", [LABELS, {}])
-def test_account_reads_places_that_the_program_shows(account, take, labels):
-    take("~program", program(labels=labels), 1.0)
-    take("~state", state("at(kitchen,now)", "thing_at(cup,hall,now)", "carries(mug,now)"), 1.1)
-    assert account.places.robot == "kitchen"
-    assert account.places.things == {"cup": "hall", "mug": "carried"}
-    expect = {"robot": "kitchen", "packages": {"cup": "hall"}}
-    assert account.differences(expect) == []
-    take("~state", state("at(hall,now)"), 1.2)
-    assert account.differences(expect) != []
-    take("packages", SimpleNamespace(packages=[SimpleNamespace(id="1", carried=False, location="hall")]), 1.3)
-    assert account.places.things == {"1": "hall"}, "the topic of packages has priority"
-
-
 def test_account_counts_cycles_from_start_of_scenario(account, take):
     take("~task_plan", SimpleNamespace(cycle=7, horizon=7, actions=[], ground_time=0.0, solve_time=0.0), 1.0)
     take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)

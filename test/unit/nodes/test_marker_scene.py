@@ -3,16 +3,13 @@
 import math
 
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.nodes.rviz.plain_shapes import with_plate
 from rosoclingo.nodes.rviz.scene import (
     LATER,
     NEXT,
     SHUT,
     drawn_shapes,
-    label_shapes,
     package_shapes,
     plan_shapes,
-    robot_shapes,
     things_in,
 )
 from rosoclingo.oclingo import parse_atom
@@ -32,21 +29,6 @@ PLAN = [
 def arrows(cycle, start):
     shapes = plan_shapes([action_of(parse_atom(text)) for text in PLAN], LABELS, cycle, start)
     return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
-
-
-def test_markers_show_labels_robot_and_plates():
-    shapes = label_shapes(LABELS)
-    assert [shape.text for shape in shapes if shape.kind == "text"] == ["office1", "office2", "office3"]
-    assert [shape.position[0] for shape in shapes if shape.kind == "cylinder"] == [0.0, 4.0, 8.0]
-    robot = robot_shapes("base_link", 0.2, "r1")
-    assert {shape.frame for shape in robot} == {"base_link"}
-    tags = [with_plate(one)[0] for one in (shapes[1], robot[0])]
-    assert [tag.kind for tag in tags] == ["cube", "cylinder"], "a tag that turns has a round plate"
-    assert tags[0].position[:2] == shapes[1].position[:2]
-    assert with_plate(shapes[0]) == [shapes[0]]
-    marks = drawn(*[(DrawingKind.MARK, (label,), label) for label in ("office1", "office1", "office2")])
-    assert [shape.position[0] for shape in marks] == [0.0, 0.0, 4.0]
-    assert marks[0].position[1] < marks[1].position[1], "stacked"
 
 
 def test_markers_place_packages_apart_at_label_or_robot():
@@ -78,19 +60,6 @@ def test_markers_blocked_way_has_bar_and_text():
     assert y0 == -y1 != 0.0
     assert high > way.points[0][2]
     assert (words.text, words.plate is None) == ("shut", False)
-
-
-def test_markers_other_ways_lie_below_blocked_way():
-    ways = [
-        (DrawingKind.BLOCKED, ("office1", "office2"), ""),
-        (DrawingKind.WAY, ("office1", "office2"), ""),
-        (DrawingKind.OPEN, ("office2", "office3"), ""),
-    ]
-    lines = [shape for shape in drawn(*ways) if shape.kind == "line"]
-    heights = [shape.points[0][2] for shape in lines]
-    assert len(lines) == 4
-    assert heights == sorted(set(heights))
-    assert lines[2].colour == SHUT
 
 
 def test_markers_show_things_in_beliefs_as_packages():

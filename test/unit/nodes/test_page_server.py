@@ -214,6 +214,9 @@ def test_server_answers_questions_and_disconnects_after_others(text, answer):
         play(scene())
 
 
+# ---- in a browser ---------------------------------------------------------------------------------------------------
+
+
 def test_server_disconnects_viewer_that_asks_too_often():
     with serving(take=lambda message: {}) as served:
 
@@ -229,23 +232,19 @@ def test_server_disconnects_viewer_that_asks_too_often():
         play(scene())
 
 
-# ---- in a browser ---------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.once
-@pytest.mark.parametrize("width", [320, 1280])
-def test_page_is_no_wider_than_a_phone(page, served, width):
+def test_page_is_no_wider_than_a_phone(page, served):
     served.do(lambda view: view.goal(140.0, "b", f"goal({'x' * 300},1)"))
     options = [["long" * 60, "long" * 60], ["2", "2"]]
     fields = [{"name": name, "options": options} for name in ("package", "from", "to")]
     served.extra = {"core": True, "orders": [{"title": "Deliver " * 20, "fields": fields}]}
-    page.size(width, 740)
+    page.size(320, 740)
     try:
         page.open(served.address + "/")
         page.wait_for("document.querySelectorAll('#orders select').length === 3")
         page.wait_for("document.querySelectorAll('#goals tbody tr').length === 2")
-        assert page.run("document.documentElement.scrollWidth") <= width
+        assert page.run("document.documentElement.scrollWidth") <= 320
     finally:
         page.size(1280, 900)
 

@@ -82,18 +82,6 @@ def test_replay_accepts_a_recorded_run(replay, write, driver):
 
 
 @pytest.mark.slow
-def test_replay_prints_answer_of_a_cycle_as_table(replay, write):
-    code, text = replay(write(), "--to", 3, "--all")
-    assert code == 0
-    assert "3 cycles:" in text
-    assert "cycle 4" not in text
-    assert "Answer, horizon" in text
-    assert "_action_lib(deliver,1,t)" in text
-    with pytest.raises(SystemExit):
-        replay(write(), "--to", "0")
-
-
-@pytest.mark.slow
 def test_replay_reports_a_decision_that_is_no_plan(replay, write):
     def change(topic, message):
         if topic == "rosoclingo/task_plan" and message.cycle == 2 and message.actions:
@@ -201,10 +189,6 @@ def test_replay_accepts_a_journal(replay, journal, tmp_path):
     assert code == 0
     assert text.endswith("no unexplained difference")
     assert replay(journal / NAME) == (code, text)
-    code, text = replay(journal, "--to", 3, "--all")
-    assert code == 0
-    assert "cycle 4" not in text
-    assert "Answer, horizon" in text
     code, text = replay(journal, "--stream", "-", "--program-to", tmp_path)
     assert code == 0
     assert "_request(goal(office3,office2,1),2)." in text

@@ -111,10 +111,9 @@ def transform(parent, child, x):
     return TFMessage([one])
 
 
-@pytest.mark.parametrize("core", ["rosoclingo", "brain"])
-def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path, core):
+def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path):
     """The action server has the usual name, independent of the core's name."""
-    path = write(run(core=core))
+    path = write(run(core="brain"))
     assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
     found = shown(tmp_path / "run.html")
     assert (found["about"]["title"], found["about"]["source"]) == ("run", "run.bag")
@@ -160,7 +159,6 @@ def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write, run,
     [
         ("/lab/r1/base_footprint", "lab/r1"),
         ("r1_base_link", "r1"),
-        ("my_robot_base_footprint", "my_robot"),
         ("planned", "planned"),
         ("base_links", None),
     ],

@@ -44,33 +44,6 @@ def test_account_has_a_line_for_each_event(account, lines):
     assert lines[-1].endswith("plan     pickup 1")
 
 
-@pytest.mark.parametrize("first", ["goal", "fact", "action", "cancel"])
-def test_account_counts_seconds_from_first_request_or_action(first, account, lines):
-    account.plan(10.0, 1, 9, [])
-    if first == "fact":
-        account.returned(12.5, "sensor", ["_seen(ball)"])
-    if first == "action":
-        account.dispatched(12.5, ["_action_lib(go,x,1)"])
-    if first == "cancel":
-        account.cancel(12.5, "")
-    account.goal(13.0, "a", "g(1)")
-    account.returned(19.5, "go", ["_return(go,y,1)"])
-    account.finish()
-    assert account.seconds == (6.5 if first == "goal" else 7.0)
-    assert float(lines[-1].split()[0]) == account.seconds
-
-
-def test_account_orders_events_across_topics(account, lines):
-    account.plan(0.0, 1, 9, [])
-    account.dispatched(1.0, ["_action_lib(go,x,1)"])
-    account.plan(1.0, 1, 9, ["_action_lib(go,x,1)"])
-    account.update(1.0, "#step 1.\n_request(g(1),2).\n#end step.\n")
-    account.goal(1.1, "a", "g(1)")
-    assert kinds(lines) == ["plan", "request", "update", "plan", "action"]
-    times = [float(line.split()[0]) for line in lines]
-    assert times == sorted(times)
-
-
 def test_account_update_waits_for_events_that_it_reports(account, lines):
     account.update(1.0, "#step 2.\n_request(g(a,1),3).\n_return(go,x,1).\n#end step.\n")
     account.goal(1.0, "a", "g( a, 1 )")
@@ -204,10 +177,3 @@ def test_account_reports_the_state_on_request(lines):
     silent.beliefs(0.0, 1, ["at(a,now)"])
     silent.finish()
     assert len(lines) == 3
-
-
-def test_account_summary_of_many_actions_names_latest(account):
-    account.dispatched(0.0, [f"_action_lib(go,{number},{number})" for number in range(1, 101)])
-    last = account.summary()[-1]
-    assert last.startswith("actions: 100, the last 40 of them go 61, go 62")
-    assert last.endswith("go 100")

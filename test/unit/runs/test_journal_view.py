@@ -1,18 +1,13 @@
 """A core's journal on a page: goals, cycles, actions and times of the run, and the missing parts."""
 
-import shutil
-import sqlite3
-from contextlib import closing
-
 import pytest
 from core_driver import FORGETFUL
-from journal_runs import BEGIN, GOALS, LASTS, play
+from journal_runs import GOALS, LASTS, play
 from shipped import shipped
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.journal import folder
-from rosoclingo.reasoning.journal.database import checksum
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.journal_run import LACKS, journal_view
 
@@ -86,17 +81,3 @@ def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monk
     word = view.changes()["words"][records(view, "actions")[-1]["action"]][1]
     assert (word["interface"], word["cycle"]) == (last.interface_name, last.cycle)
     assert all(goal["ended"] is not None for goal in records(view, "goals"))
-
-
-@pytest.mark.slow
-def test_journal_view_time_continues_after_going_back(whole, tmp_path):
-    file = tmp_path / "moved"
-    shutil.copy(whole[0], file)
-    late = [one["begun"] for one in records(journal_view(file), "actions")]
-    with closing(sqlite3.connect(str(file))) as db, db:
-        rows = db.execute("SELECT number, time - ?, change FROM record WHERE time > ?", (BEGIN, BEGIN + 4 * LASTS))
-        moved = [(row[1], checksum(*row), row[0]) for row in rows]
-        db.executemany("UPDATE record SET time = ?, crc = ? WHERE number = ?", moved)
-    found = [one["begun"] for one in records(journal_view(file), "actions")]
-    assert found == sorted(found) != late
-    assert len(found) == len(late)

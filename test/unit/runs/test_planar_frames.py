@@ -1,5 +1,4 @@
 import math
-from types import SimpleNamespace
 
 import pytest
 
@@ -21,8 +20,3 @@ def test_frame_that_is_unconnected_or_cyclic_is_not_found():
     frames.place("a", "b", Pose(0.0, 0.0, 0.0))
     frames.place("b", "a", Pose(0.0, 0.0, 0.0))
     assert frames.find("map", "a") is None
-
-
-def test_frame_heading_is_computed():
-    turn = SimpleNamespace(x=0.0, y=0.0, z=math.sin(0.4), w=math.cos(0.4))
-    assert Pose.of(SimpleNamespace(x=1.0, y=2.0), turn) == pytest.approx((1.0, 2.0, 0.8))

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 from core_driver import Driver
-from shipped import shipped
 from stream_replay import recorded
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
@@ -144,19 +143,6 @@ def test_replay_stops_a_search_that_takes_too_long():
     program, run, _ = pressed()
     run.cycles[0].plans, run.cycles[0].dispatched = [], None
     assert first(run, program, search_time=1e-9).verdict is CycleVerdict.NONE
-
-
-@pytest.mark.slow
-def test_replay_uses_the_recorded_program(tmp_path):
-    program = shipped("mailbot.lp", "office.lp")
-    kept = RunProgram.parse(RunProgram.of("run", program, {"plan": "soon", "plan_time": 2.5}).text())
-    assert kept.load().fingerprint == program.fingerprint == kept.fingerprint
-    assert kept.plan_time == 2.5
-    assert replace(kept, settings={"plan": "shortest"}).plan_time is None
-    words = kept.write(tmp_path)
-    assert [word for word in words if "delivery" in word] == []
-    assert ReactiveProgram.from_files(words).fingerprint == program.fingerprint
-    assert (tmp_path / "delivery" / "rules.lp").is_file()
 
 
 def test_replay_refuses_a_changed_program_text():

@@ -69,14 +69,11 @@ def test_sentences_of_the_shipped_programs(files, actions, goal, sentence):
         ('goal("x y",room(1,2),7)', "Bring package \u202eseven\n from x y to <b>"),
         ("goal(office3,1)", "goal(office3,1)"),
         ("run(go(a),3)", "Go to a"),
-        ("run(pick(a),3)", "Run pick(a)"),
         ("run(day)", "Serve all day"),
         ("run(night)", "run(night)"),
         ("same(a,a)", "a twice, {Y}"),
         ("same(a,b)", "same(a,b)"),
         ('say("X _ goal(Y)",1)', "Say X _ goal(Y)"),
-        ("odd(1)", "odd(1)"),
-        ("move_base(1)", "move_base(1)"),
         ("no goal ((", "no goal (("),
     ],
 )
@@ -110,7 +107,6 @@ def test_sentences_of_actions_name_titled_labels():
     [
         ("goal(a,b,1) is met", "is met"),
         ("the program rejects goal(a,b,1): there is no a", "there is no a"),
-        ("the program aborts goal(a,b,1): package 1 is not at a", "package 1 is not at a"),
         (
             "goal(a,b,1) cannot be met together with goal(b,c,2)",
             "cannot be met together with 'Bring package 2 from b to c'",
@@ -120,7 +116,6 @@ def test_sentences_of_actions_name_titled_labels():
             "_action_lib(move_base(r1),a,3) and _request(goal(a,b,2),5)",
             "'r1 drives to a' and 'Bring package 2 from a to b'",
         ),
-        ('_request(run(go("x)("),1),2), goal(goal(a', "'Go to x)(', goal(goal(a"),
         ("_seen(cup,3), goal(a), regoal(a,b,1)", "_seen(cup,3), goal(a), regoal(a,b,1)"),
         ("goal(a,b,1) is aborted: the core shuts down", "the core shuts down"),
         ("since '_shut(room(1,2),3)' from 'door'", "since 'room(1,2) is shut' from 'door'"),
@@ -157,8 +152,7 @@ def test_sentences_accept_any_message_and_pattern(text):
         ("active", "goes to x, wave y"),
         ("preempting", "is cancelled: goes to x, wave y"),
         ("active: has a lift", "goes to x, wave y (has a lift)"),
-        ("preempting: has a lift", "is cancelled: goes to x, wave y (has a lift)"),
-        ("waiting: at most 8 goals are planned for at a time", "waiting: at most 8 goals are planned for at a time"),
+        ("waiting: at most 8 goals are planned for at a time",) * 2,
     ],
 )
 def test_sentences_describe_actions_under_way(state, expected):

@@ -2,9 +2,7 @@
 
 import pytest
 
-from rosoclingo.checking.check_command import _excerpt
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
-from rosoclingo.oclingo.errors import Fault
 
 
 def read(folder, text):
@@ -41,11 +39,3 @@ def test_yaml_places_nested_aliases_take_no_time(tmp_path):
     rows = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 25))]
     found = read(tmp_path, "\n".join(rows) + "\n")
     assert found.fault("a24: must be a pose", "configuration").line == 25
-
-
-@pytest.mark.parametrize("column", [1, 150, 450, 999])
-def test_yaml_places_show_part_of_a_long_line(column):
-    line = "x" * (column - 1) + "!" + "x" * (1000 - column)
-    first, second = _excerpt(Fault("a.lp", 1, column, "odd"), [line]).splitlines()
-    assert first[second.index("^")] == "!"
-    assert len(first) < 250

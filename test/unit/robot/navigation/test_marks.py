@@ -1,4 +1,4 @@
-"""How scans mark and clear cells of a costmap."""
+"""Which hits of a scan mark cells of a costmap; test_parameter_effects.py has the effects of its parameters."""
 
 import numpy as np
 import pytest
@@ -8,58 +8,7 @@ from navigation_worlds import room
 from occupied_grids import GRIDS, clearance_of, distance
 
 from rosoclingo.robot.navigation import Costmap, CostmapLimits, Pose2D
-from rosoclingo.robot.navigation.compiled.marks import count_scan, hits_apart
-
-
-class Row:
-    """Rows of cells along which scans look, of some rays that end at ``lengths``; rays of length 7 hit nothing."""
-
-    def __init__(self):
-        self.counts, self.marks, self.mapped = (np.zeros((5, 9), dtype=np.uint8) for _ in range(3))
-        self.known = 0.0
-
-    def scan(self, *lengths, times=1):
-        for _ in range(times):
-            rays = np.array(lengths)
-            mapped = self.mapped, clearance_of(self.mapped)
-            window = count_scan(
-                self.counts, self.marks, *mapped, 0.5, 2.5, np.zeros(len(rays)), rays, rays < 7.0, self.known
-            )
-        return window
-
-
-def test_marks_need_two_scans_and_six_to_clear():
-    row = Row()
-    assert row.scan(5.0) == (0, 0, 0, 0)
-    assert row.scan(5.0) == (2, 3, 5, 6)
-    assert np.argwhere(row.marks).tolist() == [[2, 5]]
-    assert row.scan(5.0, times=20) == (0, 0, 0, 0)
-    assert row.scan(7.0, times=5) == (0, 0, 0, 0)
-    assert row.scan(7.0) == (2, 3, 5, 6)
-    assert not row.marks.any()
-
-
-def test_marks_ignore_a_few_rays_of_a_scan():
-    row = Row()
-    row.scan(5.0, *[7.0] * 4, times=50)
-    assert not row.marks.any()
-    row.scan(5.0, times=2)
-    row.scan(5.0, *[7.0] * 9, times=50)
-    assert row.marks.sum() == 1
-    row.scan(5.0, *[7.0] * 10, times=50)
-    assert not row.marks.any()
-
-
-def test_marks_skip_hits_on_or_near_the_map():
-    row = Row()
-    row.mapped[2, 5] = 1
-    row.scan(4.6, times=20)
-    assert np.argwhere(row.marks).tolist() == [[2, 5]] or not row.marks.any()
-    row.known = 0.3
-    row.scan(4.3, times=20)
-    assert not row.marks[2, 4]
-    row.scan(4.1, times=20)
-    assert row.marks[2, 4]
+from rosoclingo.robot.navigation.compiled.marks import hits_apart
 
 
 @given(GRIDS, st.integers(0, 2**32 - 1))

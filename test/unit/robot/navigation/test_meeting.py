@@ -19,12 +19,9 @@ SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
 @pytest.mark.parametrize(
     ("velocity", "point", "expected"),
     [
-        ((0.6, 0.0), (2.0, 0.0), (0.6, 0.0)),  # far ahead
-        ((0.6, 0.0), (-0.4, 0.0), (0.6, 0.0)),  # behind
         ((0.6, 0.0), (0.7, 0.0), (0.36, 0.0)),  # slower is far enough
         ((0.6, 0.5), (0.3, 0.0), (0.0, 0.5)),  # it is free to turn
         ((0.6, 0.0), (-0.1, 0.0), (0.6, 0.0)),  # away from obstacles that are too near already
-        ((0.0, 1.0), (0.1, 0.0), (0.0, 1.0)),
     ],
 )
 def test_meeting_disc_brakes(velocity, point, expected):
@@ -39,10 +36,8 @@ BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
     [
         (1.0, (0.35, 0.15), True),  # a front corner would pass there
         (-1.0, (0.35, 0.15), False),  # turns away from it
-        (1.0, (0.35, 0.3), False),  # beyond the corner
         (1.0, (-0.17, -0.14), True),  # a rear corner
         (1.0, (0.3, 0.0), False),  # the robot stands on it already
-        (1.0, (0.35, 0.11), True),  # next to it
     ],
 )
 @pytest.mark.parametrize("yaw", [0.0, 2.0])
@@ -78,14 +73,12 @@ def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():
     assert not len(costmap.unmarked)
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.slow
-@pytest.mark.parametrize(("left", "right"), [(0.0, 0.0), (0.1, -0.1), (-0.3, -0.2)])
-def test_meeting_robots_pass_each_other_despite_late_control(left, right):
+def test_meeting_robots_pass_each_other_despite_late_control():
     laser = LaserSpec(beams=135, noise=0.01)
     robots = (
-        RobotSpec("anna", Pose2D(2.0, left), lasers=(laser,)),
-        RobotSpec("bert", Pose2D(13.0, right, math.pi), lasers=(laser,)),
+        RobotSpec("anna", Pose2D(2.0, 0.1), lasers=(laser,)),
+        RobotSpec("bert", Pose2D(13.0, -0.1, math.pi), lasers=(laser,)),
     )
     world = Simulation(WorldSpec(load_map(OFFICE), robots), watchdog=0.5)
     goals, results = {"anna": Pose2D(13.0, 0.0), "bert": Pose2D(2.0, 0.0, math.pi)}, []

@@ -89,15 +89,11 @@ DRIVING, BLOCKED = Stubborn(FollowOutcome.DRIVING), Stubborn(FollowOutcome.BLOCK
 @pytest.mark.parametrize(
     ("finds", "follower", "limits", "least", "outcome", "words"),
     [
-        (False, DRIVING, {"planner_patience": 0.5}, 0.5, NavigationOutcome.NO_PLAN, ""),
         (False, DRIVING, {"planner_patience": 2.0}, 2.0, NavigationOutcome.NO_PLAN, ""),
-        (True, BLOCKED, {"controller_patience": 1.0}, 1.0, NavigationOutcome.NO_CONTROL, ""),
         (True, BLOCKED, {"controller_patience": 3.0}, 3.0, NavigationOutcome.NO_CONTROL, ""),
         # the rest of the path is 4 m
         (True, DRIVING, {"progress_timeout": 3.0}, 7.0, NavigationOutcome.NO_PROGRESS, "has not become shorter"),
-        (True, DRIVING, {"progress_timeout": 8.0}, 12.0, NavigationOutcome.NO_PROGRESS, "has not become shorter"),
         (True, DRIVING, {"progress_timeout": 0.0}, None, None, ""),
-        (True, DRIVING, {"oscillation_timeout": 2.0}, 2.0, NavigationOutcome.OSCILLATING, "moved less than 0.5 m"),
         (True, DRIVING, {"oscillation_timeout": 5.0}, 5.0, NavigationOutcome.OSCILLATING, "moved less than 0.5 m"),
     ],
 )
@@ -269,21 +265,14 @@ def drive(goal=GOAL, **parameters):
 
 @pytest.mark.parametrize(
     ("key", "axis", "most", "goal"),
-    [
-        ("max_vel_x", 0, 0.3, GOAL),
-        ("max_vel_x", 0, 0.6, GOAL),
-        ("max_vel_theta", 1, 0.5, Pose2D(1.0, 3.0, 3.0)),
-        ("max_vel_theta", 1, 1.5, Pose2D(1.0, 3.0, 3.0)),
-    ],
+    [("max_vel_x", 0, 0.3, GOAL), ("max_vel_theta", 1, 0.5, Pose2D(1.0, 3.0, 3.0))],
 )
 def test_parameter_speeds_are_limits(key, axis, most, goal):
     fastest = np.abs(drive(goal, **{key: most})[0][:, axis]).max()
     assert most * (1.0 - 0.2 * axis) - 1e-9 <= fastest <= most + 1e-9
 
 
-@pytest.mark.parametrize(
-    ("key", "axis", "most"), [("acc_lim_x", 0, 0.5), ("acc_lim_x", 0, 1.5), ("acc_lim_theta", 1, 2.0)]
-)
+@pytest.mark.parametrize(("key", "axis", "most"), [("acc_lim_x", 0, 0.5), ("acc_lim_theta", 1, 2.0)])
 def test_parameter_accelerations_limit_speed_gain(key, axis, most):
     """They do not limit braking."""
     speeds = np.abs(drive(Pose2D(4.0, 3.0, 3.0), **{key: most})[0][:, axis])

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from navigation_worlds import Drive, room, simulation
@@ -67,8 +66,7 @@ def test_touching_clearance_tells_contact_of_a_body(occupied, body, pose):
         assert gap < 1e-6
 
 
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_touching_ghost_does_not_push_robot_into_wall(side):
+def test_touching_ghost_does_not_push_robot_into_wall():
     """A passage with 20 mm on either side, in which the laser wrongly sees a point at the robot's side."""
     walls = [(2.0, 0.0, 4.0, 1.8), (2.0, 2.2, 4.0, 4.0)]
     drive = Drive(simulation(room(6.0, 4.0, 0.1, walls), Pose2D(1.0, 2.0)))
@@ -77,7 +75,7 @@ def test_touching_ghost_does_not_push_robot_into_wall(side):
     def haunt(drive):
         if not seen and drive.robot.pose.x > 3.0:
             pose = drive.robot.pose
-            angles = np.full(12, side * 0.5 * math.pi - pose.yaw)
+            angles = np.full(12, 0.5 * math.pi - pose.yaw)
             seen.append(any(drive.costmap.observe(pose, angles, np.full(12, 0.12), 6.0) for _ in range(3)))
             drive.navigator.obstacles_changed()
 

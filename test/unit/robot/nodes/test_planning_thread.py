@@ -129,18 +129,3 @@ def test_command_watch_stops_robot_without_command_once(watched, speed, wall, ro
     assert [message.linear.x for message in sent] == [speed] + [0.0] * stops
     watch.command(twist(speed))
     assert not watch.check(*clock)
-
-
-def test_planning_thread_logs_a_slow_plan(parts, monkeypatch):
-    planner, costmap, planning = parts
-    logged = []
-    monkeypatch.setattr(planning_thread.rospy, "logwarn", lambda text, *values: logged.append(text % values))
-    planning.ask(costmap, START, GOAL)
-    wait_until(lambda: planner.seen)
-    planning.log_delays()
-    assert logged == []
-    for seconds, times in ((1.0, 0), (2.5, 1), (3.5, 1), (4.5, 2)):
-        planning._running.begun = time.monotonic() - seconds
-        planning.log_delays()
-        assert len(logged) == times
-    assert "planning takes long: planning the robot's path for" in logged[0]

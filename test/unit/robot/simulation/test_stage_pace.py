@@ -38,27 +38,6 @@ def test_stage_pace_changes_speed_and_resolves_files():
         read_stage_world("/no/such.world")
 
 
-@pytest.mark.parametrize("name", ["office", "house"])
-def test_stage_pace_changes_only_speed_of_shipped_worlds(name):
-    text = (ROOT / "worlds" / f"{name}.world").read_text()
-    lines = zip(text.splitlines(), paced_world(text, str(ROOT / "worlds"), 0.5).splitlines())
-    different = [new for old, new in lines if old != new]
-    assert different == [f'  bitmap "{ROOT}/worlds/{name}.pgm"']
-
-
-@pytest.mark.parametrize(
-    ("arguments", "command"),
-    [
-        ((1.0, False, []), ["xvfb-run", "-a", "-s", "-screen 0 800x600x24", "rosrun", "stage_ros", "stageros"]),
-        ((1.0, True, ["-u"]), ["rosrun", "stage_ros", "stageros", "-u"]),
-        ((0.0, False, ["-u"]), ["rosrun", "stage_ros", "stageros", "-g", "-u"]),
-    ],
-)
-def test_stage_pace_starts_the_expected_command(arguments, command):
-    real_stage = pytest.importorskip("rosoclingo.robot.nodes.stage.real_stage")
-    assert real_stage.stage_command(*arguments) == command
-
-
 STAGE = """#!/bin/sh
 echo "$@"; echo "display $DISPLAY"
 for last in "$@"; do case $last in *.world) cat "$last";; esac; done
