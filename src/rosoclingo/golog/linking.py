@@ -1,6 +1,7 @@
 """Translation of the control programs of several files that can call each other's procedures."""
 
 import re
+from itertools import chain
 from pathlib import PurePath
 from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 
@@ -10,6 +11,7 @@ from rosoclingo.golog.writing import Declaration, Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.program.languages import Document, Include, Translation
+from rosoclingo.oclingo.reachable import reachable
 
 _NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
 
@@ -87,15 +89,11 @@ class _Linker:
 
     def procedures(self, number: int) -> Dict[Signature, Declaration]:
         """Return the procedures that a file can call: its own, and those of all included files."""
-        seen, waiting = {number}, [number]
-        while waiting:
-            further = {one for way in self._included[waiting.pop()] for one in way} - seen
-            seen |= further
-            waiting += further
+        known = reachable([number], lambda file: chain(*self._included[file]))
         return {
             one: Declaration(self._documents[file].name, procedure)
             for one, (file, procedure) in self._declared.items()
-            if file in seen
+            if file in known
         }
 
     def _link(self, number: int) -> None:

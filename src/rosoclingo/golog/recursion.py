@@ -7,6 +7,7 @@ from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTupl
 
 from rosoclingo.golog.grammar import choice, parameters, signature, statements
 from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.reachable import reachable
 
 Signature = Tuple[str, int]
 
@@ -42,19 +43,10 @@ def endless_calls(
     calls = {one: _without_finite_recursion(begins[one].calls, procedure) for one, procedure in procedures.items()}
     for one in own:
         for call in calls[one]:
-            if one in _reached(signature(call), calls):
+            if one in reachable([signature(call)], lambda procedure: map(signature, calls[procedure])):
                 remedy = f"write an action before the call, count down ({COUNTING}), or use a loop (while, star)"
                 yield call, f"{one[0]} can call itself endlessly without an action in between", remedy
                 break
-
-
-def _reached(first: Signature, calls: Mapping[Signature, List[SyntaxNode]]) -> Set[Signature]:
-    found, waiting = {first}, [first]
-    while waiting:
-        further = set(map(signature, calls[waiting.pop()])) - found
-        found |= further
-        waiting += further
-    return found
 
 
 def _beginning_of(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Beginning:

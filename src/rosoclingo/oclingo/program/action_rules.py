@@ -8,7 +8,7 @@ A successful action returns its parameter. If a program opens all of ``_return/3
 step by step. Without these declarations, a return of a grounded step could require regrounding.
 """
 
-from typing import Callable, Container, FrozenSet, Iterable, List, Sequence, Set, Tuple
+from typing import Callable, Container, FrozenSet, Iterable, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -53,13 +53,10 @@ class DatedActions:
     def __call__(self, symbols: Iterable[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
         """Return the actions of an answer."""
         answer = frozenset(symbols)
-        found = frozenset(filter(_is_dated_action, answer - self._others))
+        actions = filter(is_action, answer - self._others)
+        found = frozenset(one for one in actions if one.arguments[2].type is clingo.SymbolType.Number)
         self._others = answer - found
         return found
-
-
-def _is_dated_action(atom: clingo.Symbol) -> bool:
-    return is_action(atom) and atom.arguments[2].type is clingo.SymbolType.Number
 
 
 def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:
@@ -78,31 +75,20 @@ def is_action_of(cycle: int) -> Callable[[clingo.Symbol], bool]:
     return lambda atom: is_action(atom) and atom.arguments[2] == clingo.Number(cycle)
 
 
-def cycle_alone(term: Node) -> Node:
-    """Return the term of an ``_action_lib(A,P,C)`` with C as its only argument."""
-    return term.update(arguments=list(term.arguments)[2:])
-
-
-def closing_text(parts: Sequence[Part], opened: Container[Signature] = ()) -> Source:
+def closing_text(parts: Sequence[Part], opened: Container[Signature]) -> Source:
     """Return rules for each form in which heads of ``parts`` write the cycle of an action.
 
     ``opened`` lists the predicates that the program declares external as a whole.
     """
-    returns = RETURN in opened
-    return Source("<program>", "".join(_rules(*place, returns) for place in _cycles(parts)))
-
-
-def _cycles(parts: Sequence[Part]) -> List[Tuple[str, str, str]]:
-    """Return part name, parameter and cycle argument (_VARIABLE for complex ones) of each action in a head."""
-    found: Set[Tuple[str, str, str]] = set()
+    forms: Set[Tuple[str, str, str]] = set()  # name and parameter of the part, and the cycle
     for part in parts:
         # the rules must outlast the window of a volatile rule
         name = "cumulative" if part.name == "volatile" else part.name
         for statement, one in part.atoms:
             if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
                 cycle = one.term.arguments[2]
-                found.add((name, part.parameter, str(cycle) if _has_one_value(cycle) else _VARIABLE))
-    return sorted(found)
+                forms.add((name, part.parameter, str(cycle) if _has_one_value(cycle) else _VARIABLE))
+    return Source("<program>", "".join(_rules(*form, RETURN in opened) for form in sorted(forms)))
 
 
 def _has_one_value(term: Node) -> bool:

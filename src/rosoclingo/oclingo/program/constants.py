@@ -1,12 +1,13 @@
 """Values of a program's constants, and checks of values that users set by name."""
 
-from typing import Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.likeness import likely_word
+from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.program.survey import Survey
@@ -19,63 +20,48 @@ def constant_values(
 
     Pass no ``control`` if clingo rejects the program. Then only constants with simple definitions have values.
     """
-    found: Dict[str, clingo.Symbol] = {}
     definitions = [one for part in parts for one in part.statements if one.ast_type == ASTType.Definition]
-    if control is not None:
-        values = {name: control.get_const(name) for name in {*given, *(one.name for one in definitions)}}
-        return {name: value for name, value in values.items() if value is not None}
+    if control is None:
+        return {**_values_of(definitions, given), **given}
+    values = {name: control.get_const(name) for name in {*given, *(one.name for one in definitions)}}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _values_of(definitions: Iterable[Node], given: Mapping[str, clingo.Symbol]) -> Dict[str, clingo.Symbol]:
+    """Return the values of ``#const`` statements that are simple terms."""
+    found: Dict[str, clingo.Symbol] = {}
     for one in definitions:
         value = evaluate(one.value, {**found, **given})
         found.update({} if value is None else {one.name: value})
-    return {**found, **given}
+    return found
 
 
-class _Constant(NamedTuple):
-    """A ``#const`` of the program: its place and its value, None if that is not a simple term."""
-
-    place: str
-    value: Optional[clingo.Symbol]
+def own_constants(survey: Survey) -> Dict[str, Node]:
+    """Return the program's ``#const`` statements by name."""
+    return {one.name: one for _, one, _ in survey.statements if one.ast_type == ASTType.Definition}
 
 
 def check_given_values(survey: Survey, given: Mapping[str, clingo.Symbol]) -> List[Fault]:
     """Return faults of the values that users set for constants by name."""
     found: List[Fault] = []
-    own = own_constants(survey)
-    mentioned = _mentioned(survey) if given.keys() - own.keys() else ()
+    definitions = own_constants(survey)
+    own = _values_of(definitions.values(), {})
+    numbers = {name: value for name, value in own.items() if value.type is clingo.SymbolType.Number}
+    mentioned = {*definitions, *(_mentioned(survey) if given.keys() - definitions.keys() else ())}
     for name, value in given.items():
         place = f"constant {name}"
-        if name in own:
-            found += _compare(place, name, value, own[name])
+        if name in numbers:
+            begin = definitions[name].location.begin
+            own_value = f"{numbers[name]} ({begin.filename}:{begin.line})"
+            message = f"{name} is {value}, but the program's own value is {own_value}"
+            if value.type is not clingo.SymbolType.Number:
+                found.append(Fault(place, 0, 0, message, "give a number", "constant-value"))
+            elif value.number < 0 < numbers[name].number:
+                found.append(Fault(place, 0, 0, message, "did you mean a negative number?", "negative-constant"))
         elif name not in mentioned:
-            message = f"the program has no #const {name}"
-            found.append(Fault(place, 0, 0, message, likely_constant(name, own), "unknown-constant"))
-    return found
-
-
-def likely_constant(name: str, own: Collection[str]) -> str:
-    """Suggest a similar constant of the program for ``name``; if there is none, list all of them."""
-    return likely_word(name, own) or (f"its constants are {', '.join(sorted(own))}" if own else "it has none")
-
-
-def _compare(place: str, name: str, value: clingo.Symbol, constant: _Constant) -> Iterator[Fault]:
-    own = constant.value
-    if own is None or own.type is not clingo.SymbolType.Number:
-        return
-    message = f"{name} is {value}, but the program's own value is {own} ({constant.place})"
-    if value.type is not clingo.SymbolType.Number:
-        yield Fault(place, 0, 0, message, "give a number", "constant-value")
-    elif value.number < 0 < own.number:
-        yield Fault(place, 0, 0, message, "did you mean a negative number?", "negative-constant")
-
-
-def own_constants(survey: Survey) -> Dict[str, _Constant]:
-    """Return the program's ``#const`` definitions by name."""
-    found: Dict[str, _Constant] = {}
-    for _, one, _ in survey.statements:
-        if one.ast_type == ASTType.Definition:
-            begin = one.location.begin
-            values = {name: constant.value for name, constant in found.items() if constant.value is not None}
-            found[one.name] = _Constant(f"{begin.filename}:{begin.line}", evaluate(one.value, values))
+            known = f"its constants are {', '.join(sorted(definitions))}" if definitions else "it has none"
+            remedy = likely_word(name, definitions) or known
+            found.append(Fault(place, 0, 0, f"the program has no #const {name}", remedy, "unknown-constant"))
     return found
 
 

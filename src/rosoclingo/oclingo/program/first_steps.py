@@ -104,10 +104,6 @@ class TrialGrounding:
             handle.cancel()
             return handle.get().satisfiable if done else None
 
-    def redefinitions(self, parts: Sequence[Part]) -> List[Fault]:
-        """Return a fault for each head that two steps define."""
-        return [fault for one in sorted(self.redefined) for fault in redefined_by(parts, self.redefined[one], {one})]
-
 
 def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -> List[Fault]:
     """Return a fault for each rule of a step whose head is of ``signatures``; ``name`` is the redefined atom."""

@@ -3,7 +3,7 @@
 import json
 from functools import cached_property, partial
 from hashlib import sha256
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, Sequence, Tuple
 
 import clingo
 from clingo.ast import ASTType, ProgramBuilder
@@ -51,13 +51,14 @@ class LoadedProgram:
         closing = closing_text(self.parts, self.open_signatures)
         self.parts += rewrite(read_sources([closing], Directives(), []), Directives())
         self.adapt_parts()
-        self._messages, self._load_faults = Messages(), []  # type: Messages, List[Fault]
-        self._loaded: Optional[clingo.Control] = None
+        self._load_faults: List[Fault] = []
+        messages, control = Messages(), None
         try:
-            self._loaded = self._control(self._messages)
+            control = self._control(messages)
+            self.remarks += messages.new_remarks(self.parameter_at)
         except ProgramError as error:
             self._load_faults += error.faults
-        self.values = constant_values(self.parts, self.constants, self._loaded)
+        self.values = constant_values(self.parts, self.constants, control)
         windows, first = self._directives.windows, self._directives.first_steps
         self.windows = sorted({one.number(self.values, self._load_faults) for one in windows} | {1})
         self.first_step = min([1, *[one.number(self.values, self._load_faults) for one in first][-1:]])

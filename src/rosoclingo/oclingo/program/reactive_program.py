@@ -9,7 +9,7 @@ from clingo.ast import ASTType
 
 from rosoclingo.oclingo.errors import Fault, ProgramError, ProgressionError
 from rosoclingo.oclingo.program import checks
-from rosoclingo.oclingo.program.action_rules import ACTION, RUNNING, cycle_alone
+from rosoclingo.oclingo.program.action_rules import ACTION, RUNNING
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
@@ -17,7 +17,6 @@ from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by,
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, can_match, can_see_later
-from rosoclingo.oclingo.program.signatures import Dependencies, rule_edges
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import Survey, places
 from rosoclingo.oclingo.program.times import time_positions
@@ -51,7 +50,7 @@ class ReactiveProgram(LoadedProgram):
         """
         super().__init__(sources, constants or {}, whole)
         self.trial: Optional[TrialGrounding] = None
-        self._said: Optional[List[Fault]] = None  # clingo's messages about the first steps, None before their grounding
+        self._trial_messages: List[Fault] = []
         self.survey = Survey(self.parts, self.values, self._directives.opened)
         self.faults = tuple(self._check())
         if self.faults and not lenient:
@@ -135,14 +134,14 @@ class ReactiveProgram(LoadedProgram):
 
     def can_act(self, cycle: int, first: int) -> bool:
         """Return whether base or a step from ``first`` on could have an action of ``cycle``; never wrongly False."""
-        atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])
+        atom = clingo.Function(ACTION.name, [clingo.Number(cycle)])  # like the patterns, without other arguments
         return ACTION in self.open_signatures or can_match(self._action_cycles, atom, first, FAR)
 
     @cached_property
     def _action_cycles(self) -> List[Pattern]:
         found = [one for one in places(self.parts) if one.occurrence.head and one.signature == ACTION]
-        terms = [(cycle_alone(one.occurrence.term), one) for one in found]
-        return [Pattern(term, one.part.parameter, one.statement, self.values) for term, one in terms]
+        terms = [one.occurrence.term.update(arguments=one.occurrence.arguments[2:]) for one in found]
+        return [Pattern(term, one.part.parameter, one.statement, self.values) for term, one in zip(terms, found)]
 
     @cached_property
     def steps_apart(self) -> bool:
@@ -168,25 +167,28 @@ class ReactiveProgram(LoadedProgram):
     @cached_property
     def signatures(self) -> Set[Signature]:
         """All predicates of the program."""
-        return {one.signature for one in places(self.parts)}
+        return set().union(*self._patterns.values())
 
     @cached_property
     def head_signatures(self) -> Set[Signature]:
         """The predicates that rules define."""
-        return {one.signature for one in places(self.parts) if one.occurrence.head and not one.declares}
+        return set(self._patterns["defined"])
 
     @cached_property
     def external_signatures(self) -> Set[Signature]:
         """All predicates that ``#external`` statements declare."""
-        return {one.signature for one in places(self.parts) if one.declares} | self.open_signatures
+        return {*self._patterns["declared"], *self.open_signatures}
 
     @cached_property
-    def dependencies(self) -> Dependencies:
-        """The positive dependencies between predicates."""
-        found = Dependencies()
+    def dependents(self) -> Dict[Signature, Set[Signature]]:
+        """For each predicate, those in the heads of the rules that contain it in a positive body literal."""
+        found: Dict[Signature, Set[Signature]] = {}
         for part in self.parts:
             for statement, atoms in part.found:
-                found.add(*rule_edges(statement, atoms))
+                heads = {one.signature for one in atoms if one.head and statement.ast_type == ASTType.Rule}
+                for one in atoms:
+                    if one.positive:
+                        found.setdefault(one.signature, set()).update(heads)
         return found
 
     @cached_property
@@ -230,12 +232,10 @@ class ReactiveProgram(LoadedProgram):
             *odd,
             *late,
             *undefined_predicates(self.survey),
-            *self._messages.new_remarks(self.parameter_at),
+            *check_given_values(self.survey, self.constants),
         ]
-        self.remarks += check_given_values(self.survey, self.constants)
-        control, self._loaded = self._loaded, None
-        if not faults and control is not None and suspicious_heads(self.parts, self.values):
-            faults += self._try(control, self._messages)
+        if not faults and suspicious_heads(self.parts, self.values):
+            faults += self._ground_first_steps()
         return faults
 
     def redefinition_of(self, atom: str) -> List[Fault]:
@@ -250,18 +250,18 @@ class ReactiveProgram(LoadedProgram):
 
     def first_step_messages(self) -> List[Fault]:
         """Return clingo's messages about the first steps; ground these steps if necessary."""
-        if self._said is None and not self.faults:
-            messages = Messages()
-            self._try(self._control(messages), messages)
-        return self._said or []
+        if self.trial is None and not self.faults:
+            self._ground_first_steps()
+        return self._trial_messages
 
-    def _try(self, control: clingo.Control, messages: Messages) -> List[Fault]:
+    def _ground_first_steps(self) -> List[Fault]:
         """Ground the first steps, record clingo's messages and return the faults."""
-        self._said = []
+        messages = Messages()
         try:
-            self.trial = TrialGrounding(control, self.first_step)
-            faults = self.trial.redefinitions(self.parts)
+            self.trial = TrialGrounding(self._control(messages), self.first_step)
         except RuntimeError as error:
             return messages.faults(error, self.parameter_at)
-        self._said = [one for one in messages.new_remarks(self.parameter_at) if one not in self.remarks]
-        return faults
+        found = messages.new_remarks(self.parameter_at)
+        self._trial_messages = [one for one in found if one not in self.remarks]
+        redefined = self.trial.redefined
+        return [fault for one in sorted(redefined) for fault in redefined_by(self.parts, redefined[one], {one})]

@@ -1,14 +1,13 @@
-"""Atoms of :mod:`clingo.ast` statements, their signatures and dependencies, and values of simple terms."""
+"""Atoms of :mod:`clingo.ast` statements, their signatures, and values of simple terms."""
 
 import operator
-from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator, Sign, UnaryOperator
 
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.progression.terms import Signature
 
 
 class Occurrence(NamedTuple):
@@ -158,46 +157,3 @@ _BINARY: Dict[int, Callable[[int, int], Optional[int]]] = {
     BinaryOperator.Or: operator.or_,
     BinaryOperator.XOr: operator.xor,
 }
-
-
-class Dependencies:
-    """A graph of positive dependencies between predicates, to which rules add edges."""
-
-    def __init__(self) -> None:
-        self._users: Dict[Signature, Set[Signature]] = {}
-
-    def copy(self) -> "Dependencies":
-        """Return an independent copy."""
-        twin = Dependencies()
-        twin._users = {body: set(heads) for body, heads in self._users.items()}
-        return twin
-
-    def add(self, heads: Iterable[Signature], bodies: Iterable[Signature]) -> None:
-        """Add edges from each of ``bodies`` to each of ``heads``."""
-        for body in bodies:
-            self._users.setdefault(body, set()).update(heads)
-
-    def reaches(self, source: Signature, targets: Set[Signature]) -> bool:
-        """Return whether one of ``targets`` equals ``source`` or depends on it."""
-        seen, waiting = {source}, [source]
-        while waiting:
-            signature = waiting.pop()
-            if signature in targets:
-                return True
-            fresh = self._users.get(signature, set()) - seen
-            seen |= fresh
-            waiting.extend(fresh)
-        return False
-
-
-def rule_edges(statement: Node, atoms: Iterable[Occurrence]) -> Tuple[Set[Signature], Set[Signature]]:
-    """Return the head signatures and the positive body signatures of a statement with these atoms."""
-    found = list(atoms) if statement.ast_type == ASTType.Rule else []
-    heads = {one.signature for one in found if one.head}
-    return heads, {one.signature for one in found if one.positive}
-
-
-def statement_edges(statement: Statement) -> Tuple[Set[Signature], Set[Signature]]:
-    """Return the head signature and the positive body signatures of an update's rule."""
-    heads = set() if statement.head is None else {signature_of(statement.head)}
-    return heads, {signature_of(one.atom) for one in statement.body if one.positive}

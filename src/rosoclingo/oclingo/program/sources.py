@@ -19,6 +19,7 @@ from rosoclingo.oclingo.program.endings import locate_missing_dot
 from rosoclingo.oclingo.program.languages import Document, Include, Translation, language_of
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.progression.terms import parse_term
+from rosoclingo.oclingo.reachable import reachable
 
 _CONSTANT = re.compile(r"[_']*[a-z][A-Za-z0-9_']*\Z")
 
@@ -156,16 +157,8 @@ class Collector:
 
     def _indices_of_included(self, file: Optional[LoadedFile], wanted: Sequence[LoadedFile]) -> List[int]:
         """Return the indices in ``wanted`` of the files that an include adds, directly or indirectly."""
-        found: List[int] = []
-        waiting, seen = [file], {file}
-        while waiting:
-            one = waiting.pop()
-            if one in wanted:
-                found.append(wanted.index(one))
-            elif one is not None:
-                waiting += [other for other in one.includes if other not in seen]
-                seen.update(one.includes)
-        return sorted(found)
+        found = reachable([file], lambda one: () if one is None or one in wanted else one.includes)
+        return [number for number, one in enumerate(wanted) if one in found]
 
 
 def _parse(file: LoadedFile, text: str, found: Directives, faults: List[Fault]) -> Sequence[Node]:

@@ -15,6 +15,7 @@ from typing import (
     Mapping,
     NamedTuple,
     Optional,
+    Set,
     Tuple,
     Type,
     TypeVar,
@@ -24,9 +25,9 @@ from typing import (
 import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import statement_edges
 from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures, with_their_failures
 from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
+from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import (
     Assert,
     Cumulative,
@@ -39,6 +40,7 @@ from rosoclingo.oclingo.progression.updates import (
     StreamUpdate,
     Volatile,
 )
+from rosoclingo.oclingo.reachable import reachable
 
 State = TypeVar("State", bound="StreamState")
 
@@ -157,13 +159,21 @@ class StreamState:
 
     def closes_loops(self, program: ReactiveProgram) -> bool:
         """Return whether a statement closes a positive loop through the program."""
-        rules = [one for one in self.statements if one.head is not None and one.body]
-        dependencies = program.dependencies.copy() if rules else program.dependencies
-        for one in rules:
-            heads, bodies = statement_edges(one)
-            if any(dependencies.reaches(head, bodies) for head in heads):
-                return True
-            dependencies.add(heads, bodies)
+        dependents: Dict[Signature, Set[Signature]] = {}
+
+        def successors(signature: Signature) -> Set[Signature]:
+            """Return the predicates that depend on another one by a rule of the program or of the stream."""
+            return program.dependents.get(signature, set()) | dependents.get(signature, set())
+
+        for one in self.statements:
+            bodies = {signature_of(literal.atom) for literal in one.body if literal.positive}
+            if one.head is not None and bodies:
+                head = signature_of(one.head)
+                users = reachable([head], successors)
+                if users & bodies:
+                    return True
+                for body in bodies:
+                    dependents.setdefault(body, set()).add(head)
         return False
 
     # ---- Changes -----------------------------------------------------------------------------------------------------
