@@ -4,9 +4,8 @@ from typing import Any, Dict, FrozenSet, Iterable, Iterator, List, Sequence
 
 import clingo
 
-from rosoclingo.oclingo.progression.lifetimes import Term
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.oclingo.progression.updates import Statement
+from rosoclingo.oclingo.progression.updates import Assert, Statement
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
 from rosoclingo.planning.snapshot import Past, Snapshot
 
@@ -56,7 +55,7 @@ def snapshot_from_message(message: Message) -> Snapshot:
 
 def _item_to_row(item: StateItem) -> List[Any]:
     if isinstance(item, TimedStatement):
-        lifetime = [str(item.lifetime.term)] if isinstance(item.lifetime, Term) else item.lifetime
+        lifetime = [str(item.lifetime.term)] if isinstance(item.lifetime, Assert) else item.lifetime
         return [str(item.statement), item.update, lifetime]
     if isinstance(item, ForgottenSteps):
         return [item.first, item.last, symbols_to_text(item.spared)]
@@ -74,7 +73,7 @@ def _items_from_rows(rows: Sequence[List[Any]]) -> Iterator[StateItem]:
         elif isinstance(row[0], int):
             yield ForgottenSteps(row[0], row[1], symbols_from_text(row[2]))
         else:
-            lifetime = Term(clingo.parse_term(row[2][0])) if isinstance(row[2], list) else row[2]
+            lifetime = Assert(clingo.parse_term(row[2][0])) if isinstance(row[2], list) else row[2]
             yield TimedStatement(next(statements), lifetime, row[1])
 
 

@@ -5,8 +5,8 @@ from dataclasses import fields
 
 import pytest
 
-from rosoclingo.oclingo import commitment, fact, parse_atom, parse_term, parse_update
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Term
+from rosoclingo.oclingo import Assert, commitment, fact, parse_atom, parse_term, parse_update
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, TimedStatement
 from rosoclingo.planning.snapshot import Past, Snapshot
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
@@ -31,7 +31,7 @@ SNAPSHOT = Snapshot(
         *OTHERS[1:3],
         TimedStatement(fact(A), UPDATE, 0),
         TimedStatement(fact(B), 4, 2),
-        TimedStatement(DENIAL, Term(parse_term('x("y")')), 4),
+        TimedStatement(DENIAL, Assert(parse_term('x("y")')), 4),
         OTHERS[3],
     ),
     closed={1: frozenset([GO, B]), 2: frozenset()},

@@ -16,6 +16,7 @@ from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import Occurrence
 from rosoclingo.oclingo.progression.terms import Signature
+from rosoclingo.oclingo.reachable import reachable
 
 #: Smallest distance that is distinguished: all paths that lead this far back end in the past.
 _FAR_BACK = -3
@@ -45,7 +46,8 @@ class Delays:
         for part in parts:
             for statement, found in part.found:
                 self._add_statement(part, statement, found, constants)
-        self._share_times()
+        ends = [edge[:2] for edge in self._edges]  # both have a time if one has
+        self._timed = reachable(self._timed, lambda one: (end for edge in ends if one in edge for end in edge))
         self._after_actions = self._spread(self._sources())
 
     def of(self, signature: Signature) -> Optional[int]:
@@ -54,14 +56,11 @@ class Delays:
         Return 0 if no rule determines the delay, and None if the last argument is not known to be a cycle.
         """
         if signature in self._timed and signature not in self._known:
-            self._known[signature] = self._delay(signature)
+            seen = self._spread({signature: 0})
+            found = [seen[ACTION]] if ACTION in seen else []
+            found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
+            self._known[signature] = min(1, max(0, min(found, default=0)))
         return self._known.get(signature)
-
-    def _delay(self, signature: Signature) -> int:
-        seen = self._spread({signature: 0})
-        found = [seen[ACTION]] if ACTION in seen else []
-        found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
-        return min(1, max(0, min(found))) if found else 0
 
     def _add_statement(
         self, part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
@@ -80,15 +79,6 @@ class Delays:
             self._constraints.append(bodies)
         pairs = ((head, body) for head in heads for body in bodies if head.name == body.name)
         self._edges += [(body.signature, head.signature, head.offset - body.offset) for head, body in pairs]
-
-    def _share_times(self) -> None:
-        """Propagate along edges that the last argument is a time."""
-        before = -1
-        while before < len(self._timed):
-            before = len(self._timed)
-            for body, head, _ in self._edges:
-                if body in self._timed or head in self._timed:
-                    self._timed |= {body, head}
 
     def _sources(self) -> _Distances:
         """Return the start distances: 0 for actions, and ``-n`` for choices that decide on actions n cycles later."""

@@ -70,7 +70,8 @@ def is_misspelling(text: str, other: str, shortest: int = _SHORTEST) -> bool:
     if pair == its[::-1] and text[start + 2 :] == other[start + 2 :]:
         return not set(pair) & _SERIES_MARKS
     within = start < len(text) - 1 and len(text) > shortest and text[start + 1 :] == other[start + 1 :]
-    return within and not {text[start], other[start]} & _SERIES_MARKS and not _is_alone(text, start)
+    is_word = text[start + 1 : start + 2] == "_" and (start == 0 or text[start - 1] == "_")  # one of several words
+    return within and not {text[start], other[start]} & _SERIES_MARKS and not is_word
 
 
 def _is_added(shorter: str, longer: str, place: int) -> bool:
@@ -78,11 +79,6 @@ def _is_added(shorter: str, longer: str, place: int) -> bool:
     plural = place == len(shorter) and longer.endswith("s")
     is_mark = longer[place] != "_" and longer[place] in _SERIES_MARKS
     return longer[place + 1 :] == shorter[place:] and not is_mark and not plural
-
-
-def _is_alone(text: str, place: int) -> bool:
-    """Return whether a letter is a word of its own in a name of several words."""
-    return (place == 0 or text[place - 1] == "_") and text[place + 1] == "_"
 
 
 _SERIES_MARKS = frozenset("0123456789_'")  # distinguish the names of a series

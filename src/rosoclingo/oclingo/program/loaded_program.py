@@ -128,10 +128,6 @@ class LoadedProgram:
                     return part.parameter
         return "t"
 
-    def forgotten_at(self, step: int) -> List[int]:
-        """Return the steps whose externals ``#forget t : term.`` directives close at ``step``."""
-        return [one.number(self.values, [], step) for one in self.forgets]
-
     def _control(self, messages: Messages) -> clingo.Control:
         """Return a control with the program loaded; raise :class:`ProgramError` if clingo rejects it."""
         control = clingo.Control(self.arguments(), logger=messages.log)

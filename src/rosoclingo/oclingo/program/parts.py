@@ -92,13 +92,8 @@ def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Par
     renamed = make(Program, header.location, name, [Id(header.location, parameter)] if parameter else [])
     part = Part(name, parameter, renamed, window=window)
     if window:
-        part.statements.extend(_guard_declaration(part, header))
+        part.statements.append(parse(f"#external {GUARD}(({window}),{parameter}).")[-1])
     return part
-
-
-def _guard_declaration(part: Part, header: Node) -> List[Node]:
-    found = parse(f"#external {GUARD}(({part.window}),{part.parameter}).")
-    return [statement for statement in found if statement.ast_type == ASTType.External]
 
 
 _ANONYMOUS = re.compile(r"(?<!\w)_(?!\w)")

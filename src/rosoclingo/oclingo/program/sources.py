@@ -169,7 +169,9 @@ def _parse(file: LoadedFile, text: str, found: Directives, faults: List[Fault]) 
         origin = file.translation.place
         return _parse_text(plain, lambda one: Position(name, *origin(one.line)))
     except ProgramError as error:
-        faults.extend(locate_missing_dot(_named(fault, name), text) for fault in error.faults)
+        for fault in error.faults:  # clingo names the text <string>
+            place, message = fault.file.replace("<string>", name), fault.message.replace("<string>", name)
+            faults.append(locate_missing_dot(replace(fault, file=place, message=message), text))
         return ()
 
 
@@ -189,11 +191,6 @@ def _parse_text(text: str, place: Callable[[Position], Position]) -> List[Node]:
     for statement in statements:
         statement.move(place)
     return statements
-
-
-def _named(fault: Fault, name: str) -> Fault:
-    message = fault.message.replace("<string>", name)
-    return replace(fault, file=name if fault.file == "<string>" else fault.file, message=message)
 
 
 def statement_at(sources: Sequence[Source], file: str, line: int, column: int) -> str:

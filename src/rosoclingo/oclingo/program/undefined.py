@@ -28,9 +28,11 @@ def undefined_predicates(survey: Survey) -> List[Fault]:
 
 
 def _remedy(signature: Signature, known: Set[Signature]) -> str:
-    other = primed_remedy(signature, known) or query_remedy(signature)
-    if other:
-        return other
+    if signature == QUERY:
+        return "in clingo's incmode it is true at a plan's last step; omit it in volatile(t), which holds only there"
+    primed = primed_remedy(signature, known)
+    if primed:
+        return primed
     near = most_similar(signature, known | {*KEYWORDS.values()} if signature.name.startswith("_") else known)
     if near is not None:
         return f"{did_you_mean(near)} otherwise write #defined {signature}."
@@ -48,9 +50,3 @@ def primed_remedy(signature: Signature, known: Collection[Signature]) -> str:
     where = f"{before} step{'s' * (before > 1)} before" if before else "at the next step"
     remedy = f"{plain}(...,{step})" if before else f"{plain}(...,t) for the head, t-1 for the body"
     return f"in telingo {name} is {plain} {where}; write {remedy}"
-
-
-def query_remedy(signature: Signature) -> str:
-    """Return a fix for incmode's ``query(t)``, "" for any other predicate."""
-    last = "in clingo's incmode it is true at a plan's last step; omit it in volatile(t), which holds only there"
-    return last if signature == QUERY else ""

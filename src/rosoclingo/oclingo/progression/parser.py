@@ -57,7 +57,7 @@ def iterate_placed(text: str) -> Iterator[PlacedUpdate]:
     """Yield the updates of ``text`` as :func:`iterate_updates` does, with the places of their items."""
     tokens = TokenStream(text)
     while tokens.next.kind != "end":
-        yield _UpdateReader(tokens).read()
+        yield _read_update(tokens)
 
 
 def strings_as_constants(update: StreamUpdate) -> StreamUpdate:
@@ -69,62 +69,42 @@ def strings_as_constants(update: StreamUpdate) -> StreamUpdate:
     text = str(update)
     if '"' not in text:
         return update
-    return replace(_UpdateReader(TokenStream(text, strings_as_constants=True)).read().update, warnings=update.warnings)
+    return replace(_read_update(TokenStream(text, strings_as_constants=True)).update, warnings=update.warnings)
 
 
-class _UpdateReader:
-    """Reads one update from a token stream."""
-
-    def __init__(self, tokens: TokenStream) -> None:
-        self._tokens = tokens
-        self._step: Optional[int] = None
-        self._bound: Optional[int] = None
-        self._items: List[Item] = []
-        self._places: List[Tuple[int, int]] = []
-        self._warnings: List[str] = []
-
-    def read(self) -> PlacedUpdate:
-        """Return the next update; raises ProgressionError."""
-        while True:
-            if self._tokens.next.kind != "directive":
-                if self._tokens.next.kind == "end":
-                    self._tokens.fail("incomplete update: expected a statement or '#endstep.'")
-                self._record_place()
-                self._items.append(_read_statement(self._tokens))
-            elif self._read_directive():
-                update = StreamUpdate(self._step, self._bound, tuple(self._items), tuple(self._warnings))
-                return PlacedUpdate(update, tuple(self._places))
-
-    def _record_place(self) -> None:
-        """Record the place of the next item."""
-        self._places.append(self._tokens.place(self._tokens.next.offset))
-
-    def _read_directive(self) -> bool:
-        """Read a directive; return whether it ends the update."""
-        name = "".join(self._tokens.next.text.split())
-        if name == "#step":
-            self._read_step()
-        elif name in _DIRECTIVES:
-            self._record_place()
-            self._tokens.take()
-            self._items.append(_DIRECTIVES[name](self._tokens))
-        elif name == "#endstep":
-            self._tokens.take()
-        else:
-            known = ", ".join(sorted(["#step", "#endstep", *list(_DIRECTIVES)]))
-            self._tokens.fail(f"unknown directive; known directives are {known}")
-        self._tokens.expect(".", f"to end {name}")
-        return name in ("#endstep", "#stop")
-
-    def _read_step(self) -> None:
-        line, _ = self._tokens.place(self._tokens.take().offset)
-        step = read_number(self._tokens, "the step")
-        bound = read_number(self._tokens, "the bound") if self._tokens.accept(":") else None
-        if self._step is None:
-            self._step, self._bound = step, bound
-        else:
-            text = f"New '#step {step}.' without prior '#endstep.' encountered in line {line}. Ignoring...."
-            self._warnings.append(text)
+def _read_update(tokens: TokenStream) -> PlacedUpdate:
+    step: Optional[int] = None
+    bound: Optional[int] = None
+    items: List[Item] = []
+    places: List[Tuple[int, int]] = []
+    warnings: List[str] = []
+    name = ""
+    while name not in ("#endstep", "#stop"):
+        place = tokens.place(tokens.next.offset)
+        if tokens.next.kind == "end":
+            tokens.fail("incomplete update: expected a statement or '#endstep.'")
+        if tokens.next.kind != "directive":
+            items.append(_read_statement(tokens))
+            places.append(place)
+            continue
+        name = "".join(tokens.next.text.split())
+        known = sorted(["#step", "#endstep", *_DIRECTIVES])
+        if name not in known:
+            tokens.fail(f"unknown directive; known directives are {', '.join(known)}")
+        tokens.take()
+        if name in _DIRECTIVES:
+            items.append(_DIRECTIVES[name](tokens))
+            places.append(place)
+        elif name == "#step":
+            given = read_number(tokens, "the step")
+            limit = read_number(tokens, "the bound") if tokens.accept(":") else None
+            if step is None:
+                step, bound = given, limit
+            else:
+                text = f"New '#step {given}.' without prior '#endstep.' encountered in line {place[0]}. Ignoring...."
+                warnings.append(text)
+        tokens.expect(".", f"to end {name}")
+    return PlacedUpdate(StreamUpdate(step, bound, tuple(items), tuple(warnings)), tuple(places))
 
 
 def _read_range(tokens: TokenStream) -> Tuple[int, int]:

@@ -207,7 +207,9 @@ def read_term(tokens: TokenStream, depth: int = 0) -> clingo.Symbol:
     first = tokens.next
     if first.kind == "string":
         text = tokens.take().text
-        return clingo.Function(text) if tokens.strings_as_constants else clingo.String(_unescape(text[1:-1]))
+        if tokens.strings_as_constants:
+            return clingo.Function(text)
+        return clingo.String(_ESCAPE.sub(lambda match: match.group(1).replace("n", "\n"), text[1:-1]))
     if tokens.at(*_LIMITS):
         return _LIMITS[tokens.take().text]
     positive = not tokens.accept("-")
@@ -251,10 +253,6 @@ def _read_number(tokens: TokenStream, sign: int) -> int:
         limits = f"numbers go from {_LOWEST} to {_HIGHEST}"
         raise tokens.error(token.offset, f"number {text} does not fit in 32 bits; {limits}")
     return value
-
-
-def _unescape(text: str) -> str:
-    return _ESCAPE.sub(lambda match: "\n" if match.group(1) == "n" else match.group(1), text)
 
 
 def _expect_end(tokens: TokenStream) -> None:

@@ -4,7 +4,7 @@
 """
 
 from dataclasses import dataclass, field, replace
-from typing import FrozenSet, Iterator, Optional, Tuple, Union
+from typing import ClassVar, FrozenSet, Iterator, Optional, Tuple, Union
 
 import clingo
 
@@ -26,10 +26,6 @@ class Statement:
 
     head: Optional[clingo.Symbol]
     body: Tuple[Literal, ...] = ()
-
-    def concerns(self, atoms: FrozenSet[clingo.Symbol]) -> bool:
-        """Return whether this statement defines or commits to one of ``atoms``."""
-        return self.subject in atoms
 
     @property
     def atoms(self) -> Tuple[clingo.Symbol, ...]:
@@ -69,16 +65,24 @@ def commitment(atom: clingo.Symbol) -> Statement:
     return Statement(None, (Literal(atom, positive=False),))
 
 
-@dataclass(frozen=True)
-class Cumulative:
-    """Section ``#cumulative.``: its statements never lapse."""
+class Directive:
+    """A directive; ``form`` is its text with the values of its attributes."""
+
+    form: ClassVar[str]
 
     def __str__(self) -> str:
-        return "#cumulative."
+        return self.form.format(self)
 
 
 @dataclass(frozen=True)
-class Volatile:
+class Cumulative(Directive):
+    """Section ``#cumulative.``: its statements never lapse."""
+
+    form = "#cumulative."
+
+
+@dataclass(frozen=True)
+class Volatile(Directive):
     """Section ``#volatile.`` or ``#volatile : n.``
 
     Its statements hold until the next update or, with a window n > 0, while horizon <= step + n - 1.
@@ -91,88 +95,77 @@ class Volatile:
 
 
 @dataclass(frozen=True)
-class Assert:
+class Assert(Directive):
     """Section ``#assert : term.``: its statements hold until the term is retracted."""
 
     term: clingo.Symbol
-
-    def __str__(self) -> str:
-        return f"#assert : {self.term}."
+    form = "#assert : {0.term}."
 
 
 @dataclass(frozen=True)
-class Retract:
+class Retract(Directive):
     """``#retract : term.``: retracts the statements asserted under the term."""
 
     term: clingo.Symbol
-
-    def __str__(self) -> str:
-        return f"#retract : {self.term}."
+    form = "#retract : {0.term}."
 
 
 @dataclass(frozen=True)
-class Forget:
-    """``#forget i.`` or ``#forget i..j.``: closes the undefined externals declared at steps first to last."""
+class StepRange(Directive):
+    """A directive about the steps ``first`` to ``last``."""
 
     first: int
     last: int
 
-    def __str__(self) -> str:
-        return f"#forget {_range(self.first, self.last)}."
+    @property
+    def range(self) -> str:
+        """The steps as text: ``i`` or ``i..j``."""
+        return str(self.first) if self.first == self.last else f"{self.first}..{self.last}"
 
 
-def _range(first: int, last: int) -> str:
-    return str(first) if first == last else f"{first}..{last}"
+class Forget(StepRange):
+    """``#forget i.`` or ``#forget i..j.``: closes the undefined externals declared at these steps."""
+
+    form = "#forget {0.range}."
 
 
-@dataclass(frozen=True)
-class CloseCycles:
+class CloseCycles(StepRange):
     """``#closed i.`` or ``#closed i..j.``: executed cycles of a plan; an extension of oClingo's language.
 
-    The cycles first to last have no actions except the commitments of the same update (``:- not A.``).
+    These cycles have no actions except the commitments of the same update (``:- not A.``).
     """
 
-    first: int
-    last: int
-
-    def __str__(self) -> str:
-        return f"#closed {_range(self.first, self.last)}."
+    form = "#closed {0.range}."
 
 
 @dataclass(frozen=True)
-class Expire:
+class Expire(Directive):
     """``#over i.``: the steps before i get no further facts, and their externals are closed."""
 
     step: int
-
-    def __str__(self) -> str:
-        return f"#over {self.step}."
+    form = "#over {0.step}."
 
 
 @dataclass(frozen=True)
-class Withdraw:
+class Withdraw(Directive):
     """``#withdraw atom.``: treats a fact, or the commitment to an action, as never asserted."""
 
     atom: clingo.Symbol
-
-    def __str__(self) -> str:
-        return f"#withdraw {self.atom}."
+    form = "#withdraw {0.atom}."
 
 
 @dataclass(frozen=True)
-class Reset:
+class Reset(Directive):
     """``#anew.``: discards all earlier updates."""
 
-    def __str__(self) -> str:
-        return "#anew."
+    form = "#anew."
 
 
 @dataclass(frozen=True)
-class Stop:
+class Stop(Directive):
     """``#stop.``: ends the solver."""
 
-    def __str__(self) -> str:
-        return "#stop."
+    form = "#stop."
 
 
 Section = Union[Cumulative, Volatile, Assert]
@@ -235,7 +228,7 @@ class StreamUpdate:
 
     def without_facts(self, facts: FrozenSet[clingo.Symbol]) -> "StreamUpdate":
         """Return the update without definitions of, and commitments to, ``facts``."""
-        kept = (item for item in self.items if not (isinstance(item, Statement) and item.concerns(facts)))
+        kept = (item for item in self.items if not (isinstance(item, Statement) and item.subject in facts))
         return replace(self, items=tuple(kept))
 
     def __str__(self) -> str:

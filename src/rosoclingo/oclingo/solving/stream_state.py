@@ -26,7 +26,7 @@ import clingo
 
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.update_reader import closed_cycles, with_failures, with_their_failures
-from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, Term, lifetime_of
+from rosoclingo.oclingo.progression.lifetimes import FOREVER, UPDATE, Lifetime, lifetime_of
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.oclingo.progression.updates import (
     Assert,
@@ -235,7 +235,7 @@ class StreamState:
             return self
         facts = with_their_failures(facts)
         items = tuple(
-            one for one in self.items if not (isinstance(one, TimedStatement) and one.statement.concerns(facts))
+            one for one in self.items if not (isinstance(one, TimedStatement) and one.statement.subject in facts)
         )
         return replace(self, items=items, closed={cycle: executed - facts for cycle, executed in self.closed.items()})
 
@@ -276,7 +276,7 @@ def _with_statements(
             if not (_has_passed(timed, min_horizon) or item.is_tautology):
                 items.append(timed)
         elif isinstance(item, Retract):
-            rest = [one for one in items if not (isinstance(one, TimedStatement) and one.lifetime == Term(item.term))]
+            rest = [one for one in items if not (isinstance(one, TimedStatement) and one.lifetime == Assert(item.term))]
             if len(rest) == len(items):
                 warnings.append(f"Term {item.term} has not been asserted. The retraction is ignored.")
             items = rest
@@ -298,7 +298,8 @@ def _forgotten(
     """
     forgotten = list(requested)
     for at in range(first, last + 1) if program.forgets else ():
-        forgotten += [ForgottenSteps(step, step) for step in program.forgotten_at(at) if step < at]
+        steps = [one.number(program.values, [], at) for one in program.forgets]
+        forgotten += [ForgottenSteps(step, step) for step in steps if step < at]
     if not forgotten:
         return []
     lapsing = (one.statement.head for one in items if isinstance(one, TimedStatement) and one.lifetime != FOREVER)
