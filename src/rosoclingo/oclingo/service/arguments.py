@@ -5,8 +5,6 @@ from typing import Dict, Sequence
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 
-__all__ = ["TRIAL_SECONDS", "TRIAL_STEPS", "constants_of", "duration", "natural", "port", "positive", "seconds"]
-
 TRIAL_STEPS = 30
 """Maximal number of steps of a trial plan."""
 
@@ -56,9 +54,8 @@ def seconds(text: str) -> float:
 
 def constants_of(words: Sequence[str]) -> Dict[str, str]:
     """Return the values of ``-c NAME=VALUE`` by name; raise ProgramError for other words."""
-    faults = [
-        Fault(f"-c {word}", 0, 0, "value missing", "write NAME=VALUE") for word in words if not word.partition("=")[1]
-    ]
+    pairs = {word: word.partition("=") for word in words}
+    faults = [Fault(f"-c {word}", 0, 0, "value missing", "write NAME=VALUE") for word in words if not pairs[word][1]]
     if faults:
         raise ProgramError(faults)
-    return {word.partition("=")[0]: word.partition("=")[2] for word in words}
+    return {name: value for name, _, value in pairs.values()}

@@ -33,7 +33,7 @@ class ClientConnection:
         self._unsent = bytearray(GREETING)
 
     def fileno(self) -> int:
-        """Return the file descriptor of the connection."""
+        """Return the file descriptor of the connection, for ``select``."""
         return self._connection.fileno()
 
     @property

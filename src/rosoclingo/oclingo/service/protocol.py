@@ -34,15 +34,15 @@ GREETING = INPUT + END_OF_STEP
 
 def warning(text: str) -> bytes:
     """Encode a warning."""
-    return item(f"Warning: {one_line(text)}\n")
+    return item(f"Warning: {_one_line(text)}\n")
 
 
 def error(text: str) -> bytes:
     """Encode an error, followed by ``Input:``."""
-    return item(f"Error: {one_line(text)}") + INPUT
+    return item(f"Error: {_one_line(text)}") + INPUT
 
 
-def one_line(text: str) -> str:
+def _one_line(text: str) -> str:
     """Return ``text`` on one line: oClingo's client reads line by line."""
     return "; ".join(line.strip() for line in text.splitlines() if line.strip())
 
@@ -63,21 +63,22 @@ Request = Union[StreamUpdate, ProgressionError]
 """An update, or its error."""
 
 
+def read_updates(text: str) -> Iterator[Request]:
+    """Yield the updates of a text up to the first error, then the error; the rest is dropped."""
+    try:
+        yield from iterate_updates(text)
+    except ProgressionError as fault:
+        yield fault
+
+
 def requests(message: Message) -> Iterator[Request]:
-    """Yield the updates of a message up to the first error, then the error; the rest is dropped."""
+    """Yield the updates of a message up to the first error, then the error; a message without an update is an error."""
     if isinstance(message, ProgressionError):
         yield message
         return
-    empty = True
-    try:
-        for update in iterate_updates(message):
-            empty = False
-            yield update
-    except ProgressionError as fault:
-        yield fault
-        return
-    if empty:
-        yield ProgressionError(1, 1, "a message without an update; end each update with '#endstep.'")
+    found = read_updates(message)
+    yield next(found, ProgressionError(1, 1, "a message without an update; end each update with '#endstep.'"))
+    yield from found
 
 
 class MessageBuffer:
@@ -89,23 +90,20 @@ class MessageBuffer:
 
     def add(self, data: bytes) -> Iterator[Message]:
         """Append ``data`` and yield the messages that are now complete or too long."""
-        *ended, rest = data.split(END)
-        for piece in ended:
-            self._data += piece
+        pieces = data.split(END)
+        for number, piece in enumerate(pieces, 1):
+            is_end = number < len(pieces)
             if not self._is_skipping:
-                yield _decoded(self._data) if len(self._data) < MESSAGE_LIMIT else _too_long()
-            self._data.clear()
-            self._is_skipping = False
-        if not self._is_skipping:
-            self._data += rest
-        if len(self._data) >= MESSAGE_LIMIT:
-            self._data.clear()
-            self._is_skipping = True
-            yield _too_long()
-
-
-def _too_long() -> ProgressionError:
-    return ProgressionError(1, 1, f"a message of {MESSAGE_LIMIT} bytes or more; send it in several updates")
+                self._data += piece
+                self._is_skipping = len(self._data) >= MESSAGE_LIMIT
+                if self._is_skipping:
+                    text = f"a message of {MESSAGE_LIMIT} bytes or more; send it in several updates"
+                    yield ProgressionError(1, 1, text)
+                elif is_end:
+                    yield _decoded(self._data)
+            if is_end or self._is_skipping:
+                self._data.clear()
+            self._is_skipping = self._is_skipping and not is_end
 
 
 def _decoded(data: bytearray) -> Message:

@@ -51,9 +51,7 @@ class Service:
             time_limit: seconds after which a search ends, None for no limit.
 
         """
-        self._solver = solver
-        self._listener = listener
-        self._time_limit = time_limit
+        self._solver, self._listener, self._time_limit = solver, listener, time_limit
         self._clients: List[ClientConnection] = []
         self._stopped = False
         self._bounded = False
@@ -116,13 +114,19 @@ class Service:
 
     def _solve(self, client: ClientConnection, update: StreamUpdate) -> None:
         bounded = self._bounded if update.step is None else update.bound is not None
-        start, reason = time.monotonic(), ""
+        start, grace, reason = time.monotonic(), GRACE_BOUNDED if bounded else GRACE, ""
 
         def stopped() -> bool:
+            """Serve the sockets, and return whether there is a reason to end the search."""
             nonlocal reason
             self._pump(0)
-            elapsed, is_awaited = time.monotonic() - start, any(one.waits for one in self._clients)
-            reason = reason or reason_to_end(elapsed, bounded, self._time_limit, is_awaited, client.hung_up)
+            elapsed = time.monotonic() - start
+            if self._time_limit is not None and elapsed >= self._time_limit:
+                reason = reason or f"the time limit of {self._time_limit:g} s was reached"
+            elif elapsed >= grace and any(one.waits for one in self._clients):
+                reason = reason or "another update waits"
+            elif elapsed >= GRACE_ORPHANED and client.hung_up:
+                reason = reason or "its client has hung up"
             return bool(reason)
 
         try:
@@ -145,17 +149,3 @@ class Service:
         deadline = time.monotonic() + _FAREWELL
         while self._clients and time.monotonic() < deadline:
             self._pump(0.1)
-
-
-def reason_to_end(
-    elapsed: float, is_bounded: bool, time_limit: Optional[float], is_awaited: bool, is_orphaned: bool
-) -> str:
-    """Return why a search must end after ``elapsed`` seconds; empty if it can continue.
-
-    Another update waits if it ``is_awaited``; the client of its update has hung up if it ``is_orphaned``.
-    """
-    if time_limit is not None and elapsed >= time_limit:
-        return f"the time limit of {time_limit:g} s was reached"
-    if is_awaited and elapsed >= (GRACE_BOUNDED if is_bounded else GRACE):
-        return "another update waits"
-    return "its client has hung up" if is_orphaned and elapsed >= GRACE_ORPHANED else ""

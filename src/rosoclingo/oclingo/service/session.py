@@ -5,14 +5,12 @@ import sys
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from typing import Iterable, Iterator, List, Optional, Union
 
 from rosoclingo.oclingo.errors import ProgressionError, SolverError
-from rosoclingo.oclingo.progression.parser import iterate_updates
 from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOutput
-from rosoclingo.oclingo.service.protocol import Request
+from rosoclingo.oclingo.service.protocol import Request, read_updates
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
 
@@ -44,14 +42,13 @@ class UpdateAssembler:
         self._can_end = self._can_end or "#end" in line or "#stop" in line
         if not is_last and not (self._can_end and "." in line):
             return []
-        text, found = self._pending, []  # type: str, List[Request]
-        try:
-            found.extend(iterate_updates(text))
-        except ProgressionError as error:
+        text, found = self._pending, list(read_updates(self._pending))
+        error = found[-1] if found else None
+        if isinstance(error, ProgressionError):
             end = (text.count("\n") + 1, len(text) - text.rfind("\n"))
             if not is_last and (error.line, error.column) == end:
                 return []  # the update continues
-            found.append(ProgressionError(self._before + error.line, error.column, error.message))
+            found[-1] = ProgressionError(self._before + error.line, error.column, error.message)
         self.clear()
         return found
 
@@ -134,12 +131,11 @@ class Session:
         self._output.print_update(update)
         try:
             result = self._search(self._with_bound(update))
+            self.unsatisfiable |= result.outcome is SolveOutcome.UNSATISFIABLE
+            self._output.print_result(update, result)
         except SolverError as error:
             self.failed = True
             self._output.print_refusal(update, str(error))
-        else:
-            self.unsatisfiable |= result.outcome is SolveOutcome.UNSATISFIABLE
-            self._output.print_result(update, result)
 
     def _with_bound(self, update: StreamUpdate) -> StreamUpdate:
         """Return ``update`` with the default bound, unless it has one or inherits that of the previous update."""
@@ -152,18 +148,20 @@ class Session:
     def _search(self, update: StreamUpdate) -> SolveResult:
         step = self._solver.step if update.step is None else update.step
         what = f"update of step {step}" + ("" if update.bound is None else f", up to step {step + update.bound}")
+        start = time.monotonic()
+
+        def must_end() -> bool:
+            """Report the progress, and return whether the search must end."""
+            seconds = time.monotonic() - start
+            if self._progress is not None:
+                self._progress.report(seconds, what, self._solver.reached)
+            return self._interrupted or (self._time_limit is not None and seconds >= self._time_limit)
+
         try:
-            return self._solver.update(update, partial(self._must_end, time.monotonic(), what))
+            return self._solver.update(update, must_end)
         finally:
             if self._progress is not None:
                 self._progress.clear()
-
-    def _must_end(self, start: float, what: str) -> bool:
-        """Return whether a search that began at ``start`` must end."""
-        if self._progress is not None:
-            self._progress.report(time.monotonic() - start, what, self._solver.reached)
-        late = self._time_limit is not None and time.monotonic() - start >= self._time_limit
-        return late or self._interrupted
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:

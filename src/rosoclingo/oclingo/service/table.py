@@ -21,8 +21,9 @@ def format_answer(answer: Iterable[clingo.Symbol], last: int, width: int = 100) 
         margin = max(len(stem) for stem, _ in rows)
         times = sorted(set().union(*(held for _, held in rows)))
         cell = len(str(times[-1])) + 1
-        for block in _blocks(range(times[0], times[-1] + 1), max((width - margin - 2) // cell, 10)):
-            lines += _block_lines(rows, block, margin, cell)
+        size = max((width - margin - 2) // cell, 10)
+        for start in range(times[0], times[-1] + 1, size):
+            lines += _block_lines(rows, range(start, min(start + size, times[-1] + 1)), margin, cell)
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
@@ -58,11 +59,6 @@ def _wrap(words: List[str], width: int) -> List[str]:
         else:
             lines.append(word)
     return lines
-
-
-def _blocks(times: range, size: int) -> Iterable[range]:
-    for start in range(0, len(times), size):
-        yield times[start : start + size]
 
 
 def _block_lines(rows: List[Row], times: range, margin: int, cell: int) -> List[str]:
