@@ -33,6 +33,11 @@ class PlainLiteral(NamedTuple):
     needs: FrozenSet[str]
     binds: FrozenSet[str] = frozenset()
 
+    @property
+    def variables(self) -> FrozenSet[str]:
+        """All variables of the literal."""
+        return self.needs | self.binds
+
 
 class NegatedCondition(NamedTuple):
     """The negation of a condition that has its own variables; ``variables`` are those of the outer scopes."""
@@ -61,17 +66,14 @@ class Bindings:
         """Return an error at a place."""
         return GologError(Fault(self._file, place.line or 1, place.column or 1, message, remedy))
 
-    def inner_scope(self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables") -> Dict[str, str]:
-        """Return the names within a scope that binds ``variables``; raise GologError for duplicates."""
-        return self._bind(names, variables, set(names), what)
+    def inner_scope(
+        self, names: Names, variables: Sequence[SyntaxNode], what: str = "variables", quantifies: bool = False
+    ) -> Dict[str, str]:
+        """Return the names within a scope that binds ``variables``; raise GologError for duplicates.
 
-    def quantifier_scope(self, names: Names, variables: Sequence[SyntaxNode]) -> Dict[str, str]:
-        """Return the names within a quantifier; its variables differ from all others of the condition."""
-        found = self._bind(names, variables, {*names, *self._quantified}, "variables")
-        self._quantified.update(one.text for one in variables)
-        return found
-
-    def _bind(self, names: Names, variables: Sequence[SyntaxNode], used: Set[str], what: str) -> Dict[str, str]:
+        The variables of a quantifier (``quantifies``) differ from all others of the condition.
+        """
+        used = {*names, *(self._quantified if quantifies else ())}
         found, seen = dict(names), set()  # type: Dict[str, str], Set[str]
         for one in variables:  # variables of control programs cannot contain a '
             if one.text in seen:
@@ -80,6 +82,8 @@ class Bindings:
             self._count += one.text in used
             found[one.text] = one.text + (f"'{self._count}" if one.text in used else "")
             self.first.setdefault(found[one.text], one)
+        if quantifies:
+            self._quantified |= seen
         return found
 
     def term(self, term: SyntaxNode, names: Names) -> str:
@@ -143,7 +147,7 @@ def instances(condition: SyntaxNode, names: Names, scope: Bindings) -> List[List
     """Return the alternatives under which ``some`` or a fluent has values, or ``all`` a counterexample."""
     if condition.kind == "compound":
         return alternatives(condition, names, scope)
-    inner = scope.quantifier_scope(names, parameters(condition))
+    inner = scope.inner_scope(names, parameters(condition), quantifies=True)
     ways = [alternatives(one, inner, scope, not number) for number, one in enumerate(condition.parts[1:])]
     return _conjunction(condition, ways, scope)
 
@@ -220,9 +224,4 @@ def unbound(literals: Sequence[Literal], known: Iterable[str], wanted: Iterable[
     while before != len(bound):
         before = len(bound)
         bound |= {name for one in plain if one.needs <= bound for name in one.binds}
-    return sorted({name for one in literals for name in variables_of(one)}.union(wanted) - bound)
-
-
-def variables_of(literal: Literal) -> FrozenSet[str]:
-    """Return the variables of a literal, without those that its condition binds itself."""
-    return literal.needs | literal.binds if isinstance(literal, PlainLiteral) else literal.variables
+    return sorted({name for one in literals for name in one.variables}.union(wanted) - bound)

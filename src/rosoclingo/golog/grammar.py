@@ -2,7 +2,7 @@
 
 import re
 from functools import lru_cache
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import Grammar, MisfitError, SyntaxNode, Token
@@ -154,10 +154,25 @@ _STATEMENTS = frozenset(
 
 
 class ControlProgram(NamedTuple):
-    """A file: the nodes of its includes and of its procedures."""
+    """A file: the nodes of its includes and of its procedures, and its syntax errors."""
 
-    includes: Tuple[SyntaxNode, ...]
-    procedures: Tuple[SyntaxNode, ...]
+    includes: List[SyntaxNode]
+    procedures: List[SyntaxNode]
+    faults: List[Fault]
+
+
+class Declaration(NamedTuple):
+    """A procedure, and the number and name of its file."""
+
+    number: int
+    file: str
+    procedure: SyntaxNode
+
+
+Signature = Tuple[str, int]
+"""The name and the number of arguments of a procedure, an action or a call."""
+
+Procedures = Mapping[Signature, Declaration]
 
 
 @lru_cache(maxsize=None)
@@ -170,8 +185,8 @@ def statements(one: SyntaxNode) -> List[SyntaxNode]:
     return [part for part in one.parts if part.kind in _STATEMENTS]
 
 
-def signature(named: SyntaxNode) -> Tuple[str, int]:
-    """Return the name and the number of arguments of a procedure, an action or a call."""
+def signature(named: SyntaxNode) -> Signature:
+    """Return the signature of a procedure, an action or a call."""
     arguments = parameters(named) if named.kind == "procedure" else named.parts
     return named.text, len(arguments)
 
@@ -190,9 +205,10 @@ def choice(one: SyntaxNode) -> Tuple[List[SyntaxNode], SyntaxNode, SyntaxNode]:
     return parameters(one), condition, body
 
 
-def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
-    """Parse a control program; add its errors to ``faults``, with at most one syntax error for each procedure."""
-    found: List[SyntaxNode] = []
+def parse(text: str, name: str) -> ControlProgram:
+    """Parse a control program; it has at most one syntax error for each procedure."""
+    program = ControlProgram([], [], [])
+    faults = program.faults
     tokens = [_checked(token, name, faults) for token in _grammar().tokens(text)]
     lines = text.split("\n")
     end = Token("$END", "", line=len(lines), column=len(lines[-1]) + 1)
@@ -200,13 +216,13 @@ def parse(text: str, name: str, faults: List[Fault]) -> ControlProgram:
     if tokens and 0 not in starts:
         faults.append(_fault(name, tokens[0], f"'{tokens[0]}' outside a procedure", "write proc NAME(X) { ... }"))
     for first, after in zip(starts, [*starts[1:], len(tokens)]):
-        start = "procedure" if tokens[first].type == "PROC" else "include"
+        is_procedure = tokens[first].type == "PROC"
+        start, found = ("procedure", program.procedures) if is_procedure else ("include", program.includes)
         try:
             found.append(_grammar().parse(tokens[first:after], (*tokens[after:], end)[0], start))
         except MisfitError as misfit:
             faults.append(_fault(name, *_explained(misfit, tokens[first:after])))
-    procedures = (one for one in found if one.kind == "procedure")
-    return ControlProgram(tuple(one for one in found if one.kind == "include"), tuple(procedures))
+    return program
 
 
 def _fault(name: str, token: Token, message: str, remedy: str) -> Fault:
@@ -218,15 +234,11 @@ def _checked(token: Token, name: str, faults: List[Fault]) -> Token:
     if token.type == "QUOTED":
         faults.append(_fault(name, token, f"{token} is not a string", f'write "{token[1:-1]}"'))
         return token.update(type="STRING")
-    if token.type == "NUMBER" and _is_too_large(token):
+    digits = token.lstrip("0") if token.type == "NUMBER" else ""
+    if len(digits) > len(str(GREATEST)) or int(digits or "0") > GREATEST:  # int() rejects very long texts
         remedy = f"write at most {GREATEST}, or a string"
         faults.append(_fault(name, token, f"the number {token} is too large", remedy))
     return token
-
-
-def _is_too_large(number: str) -> bool:
-    digits = number.lstrip("0") or "0"
-    return len(digits) > len(str(GREATEST)) or int(digits) > GREATEST
 
 
 def _explained(misfit: MisfitError, tokens: Sequence[Token]) -> Tuple[Token, str, str]:

@@ -3,11 +3,11 @@
 import re
 from itertools import chain
 from pathlib import PurePath
-from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, List, Sequence, Set
 
-from rosoclingo.golog.grammar import ControlProgram, parse, signature
-from rosoclingo.golog.recursion import Signature, endless_calls
-from rosoclingo.golog.writing import Declaration, Writer, arguments
+from rosoclingo.golog.grammar import ControlProgram, Declaration, Procedures, Signature, parse, signature
+from rosoclingo.golog.recursion import endless_calls
+from rosoclingo.golog.writing import Writer, arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.program.languages import Document, Include, Translation
@@ -16,19 +16,11 @@ from rosoclingo.oclingo.reachable import reachable
 _NAME = re.compile(r"_*[a-z][A-Za-z0-9_]*\Z")
 
 
-class _ParsedProgram(NamedTuple):
-    """A parsed control program with its syntax errors."""
-
-    program: ControlProgram
-    faults: Tuple[Fault, ...]
-
-
 def read(text: str, name: str) -> Document:
     """Parse a file of control programs; errors are part of the result."""
-    faults: List[Fault] = []
-    program = parse(text, name, faults)
+    program = parse(text, name)
     includes = tuple(Include(one.text[1:-1], one.line, one.tokens[0].column or 1) for one in program.includes)
-    return Document(name, includes, _ParsedProgram(program, tuple(faults)))
+    return Document(name, includes, program)
 
 
 def translate(text: str, name: str) -> Translation:
@@ -52,12 +44,9 @@ def translate_files(documents: Sequence[Document], included: Sequence[Sequence[S
     found: List[Translation] = []
     for number, one in enumerate(documents):
         procedures, own = linker.procedures(number), [*one.content.faults, *linker.faults[number]]
-        for call, message, remedy in endless_calls(
-            {head: declared.procedure for head, declared in procedures.items()},
-            [head for head, declared in procedures.items() if declared.file == one.name],
-        ):
+        for call, message, remedy in endless_calls(procedures, number):
             own.append(Fault(one.name, call.line, call.column, message, remedy))
-        writer = Writer(one.name, stems[number], one.content.program, procedures, own)
+        writer = Writer(one.name, stems[number], one.content, procedures, own)
         faults += sorted(own, key=lambda fault: (fault.line, fault.column))
         found.append(Translation("".join(f"{line}\n" for line in writer.lines), tuple(writer.places)))
     if faults:
@@ -80,28 +69,24 @@ class _Linker:
 
     def __init__(self, documents: Sequence[Document], included: Sequence[Sequence[Sequence[int]]]) -> None:
         self._documents, self._included = documents, included
-        self._declared: Dict[Signature, Tuple[int, SyntaxNode]] = {}
+        self._declared: Dict[Signature, Declaration] = {}
         self._include_chain: List[int] = []  # the chain of includes that leads to the present file
         self._linked: Set[int] = set()
         self.faults: List[List[Fault]] = [[] for _ in documents]
         for number in range(len(documents)):
             self._link(number)
 
-    def procedures(self, number: int) -> Dict[Signature, Declaration]:
+    def procedures(self, number: int) -> Procedures:
         """Return the procedures that a file can call: its own, and those of all included files."""
         known = reachable([number], lambda file: chain(*self._included[file]))
-        return {
-            one: Declaration(self._documents[file].name, procedure)
-            for one, (file, procedure) in self._declared.items()
-            if file in known
-        }
+        return {one: declared for one, declared in self._declared.items() if declared.number in known}
 
     def _link(self, number: int) -> None:
         if number in self._linked:
             return
         self._linked.add(number)
         self._include_chain.append(number)
-        program: ControlProgram = self._documents[number].content.program
+        program: ControlProgram = self._documents[number].content
         for include, way in zip(self._documents[number].includes, self._included[number]):
             for one in way:
                 if one in self._include_chain:
@@ -120,12 +105,10 @@ class _Linker:
         self.faults[number].append(Fault(self._documents[number].name, include.line, include.column, message, remedy))
 
     def _declare(self, number: int, procedure: SyntaxNode) -> None:
-        head, name = signature(procedure), procedure.tokens[0]
-        if head not in self._declared:
-            self._declared[head] = (number, procedure)
-            return
-        file, other = self._declared[head]
-        where = "" if file == number else f"{self._documents[file].name}, "
-        message = f"procedure {name} with {arguments(head[1])} is already defined in {where}line {other.line}"
-        place = (self._documents[number].name, name.line or 1, name.column or 1)
-        self.faults[number].append(Fault(*place, message, "rename one of them"))
+        head, name, file = signature(procedure), procedure.tokens[0], self._documents[number].name
+        other = self._declared.setdefault(head, Declaration(number, file, procedure))
+        if other.procedure is not procedure:
+            where = "" if other.number == number else f"{other.file}, "
+            line = other.procedure.line
+            message = f"procedure {name} with {arguments(head[1])} is already defined in {where}line {line}"
+            self.faults[number].append(Fault(file, name.line or 1, name.column or 1, message, "rename one of them"))

@@ -3,13 +3,11 @@
 A recursion is finite if an argument counts down, or up, to a bound.
 """
 
-from typing import Dict, FrozenSet, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Set, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set, Tuple
 
-from rosoclingo.golog.grammar import choice, parameters, signature, statements
+from rosoclingo.golog.grammar import Procedures, Signature, choice, parameters, signature, statements
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.reachable import reachable
-
-Signature = Tuple[str, int]
 
 COUNTING = "if N > 0 { p(N - 1); }"
 """An example of a finite recursion, for messages."""
@@ -26,30 +24,31 @@ class _Beginning(NamedTuple):
     idle: bool
 
 
-def endless_calls(
-    procedures: Mapping[Signature, SyntaxNode], own: Iterable[Signature]
-) -> Iterator[Tuple[SyntaxNode, str, str]]:
-    """Yield call, message and fix for each of a file's ``own`` procedures with a possibly endless recursion.
+def endless_calls(procedures: Procedures, file: int) -> Iterator[Tuple[SyntaxNode, str, str]]:
+    """Yield call, message and fix for each procedure of a file with a possibly endless recursion.
 
     ``procedures`` are all callable procedures.
     """
+    bodies = {one: declared.procedure.parts[-1] for one, declared in procedures.items()}
     idle: Set[Signature] = set()
     begins: Dict[Signature, _Beginning] = {}
     before = -1
     while before != len(idle):
         before = len(idle)
-        begins = {one: _beginning_of(procedure.parts[-1], procedures, idle) for one, procedure in procedures.items()}
+        begins = {one: _beginning_of(body, procedures, idle) for one, body in bodies.items()}
         idle |= {one for one, begin in begins.items() if begin.idle}
-    calls = {one: _without_finite_recursion(begins[one].calls, procedure) for one, procedure in procedures.items()}
-    for one in own:
-        for call in calls[one]:
+    calls = {
+        one: _without_finite_recursion(begins[one].calls, declared.procedure) for one, declared in procedures.items()
+    }
+    for one, declared in procedures.items():
+        for call in calls[one] if declared.number == file else ():
             if one in reachable([signature(call)], lambda procedure: map(signature, calls[procedure])):
                 remedy = f"write an action before the call, count down ({COUNTING}), or use a loop (while, star)"
                 yield call, f"{one[0]} can call itself endlessly without an action in between", remedy
                 break
 
 
-def _beginning_of(one: SyntaxNode, procedures: Mapping[Signature, SyntaxNode], idle: Set[Signature]) -> _Beginning:
+def _beginning_of(one: SyntaxNode, procedures: Procedures, idle: Set[Signature]) -> _Beginning:
     """Return the beginning of a statement; ``idle`` are the procedures that can end without an action."""
     kind = one.kind
     if kind == "step":

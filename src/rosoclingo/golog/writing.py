@@ -2,7 +2,7 @@
 
 import re
 from pathlib import PurePath
-from typing import Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple, Union
+from typing import Iterable, List, Sequence, Set, Tuple, Union
 
 from rosoclingo.golog.conditions import (
     STEP,
@@ -15,10 +15,8 @@ from rosoclingo.golog.conditions import (
     alternatives,
     instances,
     unbound,
-    variables_of,
 )
-from rosoclingo.golog.grammar import ControlProgram, choice, parameters, signature, statements
-from rosoclingo.golog.recursion import Signature
+from rosoclingo.golog.grammar import ControlProgram, Procedures, choice, parameters, signature, statements
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode, Token
 
@@ -34,13 +32,8 @@ ORDERED = 20
 
 _ROWS = {"interrupts": "prio", **{kind: kind for kind in ("seq", "choice", "conc", "prio", "order")}}
 _ASKING = ("if", "while", "achieve", "test", "await", "until")
-
-
-class Declaration(NamedTuple):
-    """A procedure and its file."""
-
-    file: str
-    procedure: SyntaxNode
+_UNMET = {"test": "the test in {} does not hold", "pick": "there is nothing to pick in {}"}
+"""Messages for a test that does not hold and a choice without options."""
 
 
 class Writer:
@@ -60,7 +53,7 @@ class Writer:
         file: str,
         stem: str,
         program: ControlProgram,
-        procedures: Mapping[Signature, Declaration],
+        procedures: Procedures,
         faults: List[Fault],
     ) -> None:
         self._file, self._stem, self._procedures = file, stem, procedures
@@ -118,11 +111,6 @@ class Writer:
         words = [*number, *asked, *inside, *rest]
         return f"{kind}({','.join(words)})" if words else kind
 
-    def _write_message(self, name: str, text: str, one: SyntaxNode) -> None:
-        """Write the message for a test that does not hold or a choice without options."""
-        place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
-        self._add(f'golog_told({name},"{text.format(place)}",{STEP}) :- golog_unmet({name},{STEP}).', one)
-
     def _row(self, kind: str, parts: Sequence[str]) -> str:
         """Return ``kind(a,kind(b,c))`` for the parts a, b, c; calls link the terms of a long sequence."""
         if kind == "order":
@@ -171,15 +159,7 @@ class Writer:
         """Write the rules for a statement's condition and return its name."""
         self._scope.begin()
         ways = alternatives(one.parts[0], names, self._scope, one.kind != "achieve")
-        used = {variable for way in ways for literal in way for variable in variables_of(literal)}
-        name = self._new_name(*(written for written in names.values() if written in used))
-        for way in ways:
-            self._check_bound(one, way, names.values(), ())
-            body = self._rule_body(way, f"golog_asked({name},{STEP})")
-            self._add(f"golog_true({name},{STEP}) :- {body}.", one.parts[0])
-        if one.kind == "test":
-            self._write_message(name, "the test in {} does not hold", one)
-        return name
+        return self._name_of(one, ways, names)
 
     def _options(self, one: SyntaxNode, names: Names) -> str:
         """Write the rules for the options of a choice and return its name."""
@@ -187,16 +167,32 @@ class Writer:
         inner = self._scope.inner_scope(names, variables)
         self._scope.begin()
         ways = alternatives(condition, inner, self._scope)
-        body = self._statement(then, inner)
-        used = {variable for way in ways for literal in way for variable in variables_of(literal)}
-        used.update(_VARIABLE.findall(body))
+        return self._name_of(one, ways, names, [inner[two.text] for two in variables], self._statement(then, inner))
+
+    def _name_of(
+        self,
+        one: SyntaxNode,
+        ways: Sequence[Sequence[Literal]],
+        names: Names,
+        bound: Sequence[str] = (),
+        option: str = "",
+    ) -> str:
+        """Write a rule for each way in which a condition holds, or an ``option`` exists; return the name.
+
+        The variables ``bound`` need values in each way.
+        """
+        used = {variable for way in ways for literal in way for variable in literal.variables}
+        used.update(_VARIABLE.findall(option))
         name = self._new_name(*(written for written in names.values() if written in used))
+        head = f"golog_option({name},{option},{STEP})" if option else f"golog_true({name},{STEP})"
+        asked = f"golog_picks({name},{STEP})" if option else f"golog_asked({name},{STEP})"
         for way in ways:
-            self._check_bound(one, way, names.values(), [inner[variable.text] for variable in variables])
-            asked = self._rule_body(way, f"golog_picks({name},{STEP})")
-            self._add(f"golog_option({name},{body},{STEP}) :- {asked}.", one)
-        if one.kind == "pick":
-            self._write_message(name, "there is nothing to pick in {}", one)
+            self._check_bound(one, way, names.values(), bound)
+            self._add(f"{head} :- {self._rule_body(way, asked)}.", one if option else one.parts[0])
+        if one.kind in _UNMET:
+            place = re.sub(r'["\\\n]', "_", f"line {one.line} of {PurePath(self._file).name}")
+            text = _UNMET[one.kind].format(place)
+            self._add(f'golog_told({name},"{text}",{STEP}) :- golog_unmet({name},{STEP}).', one)
         return name
 
     def _check_bound(
