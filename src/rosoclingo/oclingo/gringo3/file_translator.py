@@ -1,7 +1,7 @@
 """Translation of a program's files from gringo 3's language, statement by statement."""
 
 from pathlib import PurePath
-from typing import Callable, Dict, List, Sequence, Set, Tuple
+from typing import Callable, Dict, List, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode
@@ -14,9 +14,8 @@ from rosoclingo.oclingo.gringo3.rewriter import Rewriting
 from rosoclingo.oclingo.gringo3.rules import RuleWriter
 from rosoclingo.oclingo.gringo3.terms import (
     Element,
-    Naming,
+    VariableScope,
     alternatives,
-    domain_atoms,
     has_interval,
     has_pool,
     show,
@@ -57,13 +56,11 @@ class ConstantUses:
 class ProgramScope:
     """Declarations that affect later files: ``#domain``, ``#show``, ``#hide``, constants, optimization levels."""
 
-    def __init__(self, naming: Naming) -> None:
-        self.naming = naming
-        self.visibility = Visibility(naming)
-        self.domains: List[Tuple[str, List[str]]] = []
+    def __init__(self, scope: VariableScope) -> None:
+        self.variables = scope
+        self.visibility = Visibility(scope)
         self.levels = 0
         self.constants = ConstantUses()
-        self.seen_variables: Set[str] = set()
 
 
 def translate_sources(
@@ -94,11 +91,12 @@ def translate_sources(
 def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> List["FileTranslator"]:
     """Translate all files; ``#show`` and ``#hide`` statements come last, since they affect the whole program."""
     variables = (one.text for found in evidence for one in found.source.tokens if one.kind is TokenKind.VARIABLE)
-    program = ProgramScope(Naming(variables))
+    program = ProgramScope(VariableScope(variables))
     translators = [FileTranslator(program, one, dialect) for one, dialect in zip(evidence, dialects)]
     for one in translators:
         one.run()
-    program.visibility.write()
+    for one in translators:
+        one.translate_displays()
     return translators
 
 
@@ -113,7 +111,7 @@ def _undecided(translator: "FileTranslator", dialect: Dialect) -> Fault:
 
 
 class FileTranslator:
-    """Translates one file of a program; call :meth:`run` in the order of the files.
+    """Translates one file of a program; call :meth:`run` in the order of the files, then :meth:`translate_displays`.
 
     Attributes:
         source: the file.
@@ -131,9 +129,10 @@ class FileTranslator:
         self.remarks: List[Fault] = []
         self.faults: List[Fault] = []
         self.own_text = ""
-        self._rules = RuleWriter(program.naming)
-        self._optimization = OptimizationWriter(program.naming, self._file)
+        self._rules = RuleWriter(program.variables)
+        self._optimization = OptimizationWriter(program.variables, self._file)
         self._step = ""
+        self._displays: List[Tuple[int, ShowStatement]] = []  # with the numbers of the statements
 
     @property
     def text(self) -> str:
@@ -156,6 +155,14 @@ class FileTranslator:
                 self.faults.append(error.fault(self._name))
         self.own_text = self.rewriting.result()
 
+    def translate_displays(self) -> None:
+        """Translate ``#show`` and ``#hide`` statements, after all files were translated."""
+        for number, statement in self._displays:
+            try:
+                self.rewriting.replace(*self.source.ranges[number], self._program.visibility.text(statement))
+            except UntranslatableError as error:
+                self.faults.append(error.fault(self._name))
+
     def _is_gringo3(self, number: int) -> bool:
         """Return whether a statement is gringo 3's; its own syntax takes precedence over the file's language."""
         if self._evidence.source.pragma is Dialect.CLINGO5:
@@ -170,33 +177,28 @@ class FileTranslator:
                 return  # the loader reports malformed directives
             raise tree
         if tree.kind == "display":
-            place = (self._name, self.faults, self.rewriting, self.source.ranges[number])
-            self._program.visibility.add(ShowStatement(*place, self._step, tree, self._domains(tree)))
+            statement = ShowStatement(tree, self._step, self._program.variables.domains_of(variables([tree])))
+            self._displays.append((number, statement))
+            self._program.visibility.add(statement)
         elif tree.kind in _WRITERS:
             text = _WRITERS[tree.kind](self, tree)
             self.rewriting.replace(*self.source.ranges[number], text)
             self._program.visibility.note(text, self._step)
         if tree.kind != "const":
             self._program.constants.note(self._file, tree)
-        self._program.seen_variables.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
+        self._program.variables.used.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
 
     def _keep(self, tokens: Sequence[SourceToken]) -> None:
         """Keep a statement of clingo 5."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""
-        if domain_atoms([one.text for one in tokens], self._program.domains):
+        if self._program.variables.domains_of([one.text for one in tokens]):
             message = "a statement of clingo 5 cannot use a variable that #domain declares"
             raise UntranslatableError(tokens[0], message, "use another variable")
         self._program.visibility.note(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
-    def _domains(self, node: SyntaxNode) -> List[str]:
-        return domain_atoms(variables([node]), self._program.domains)
-
-    def _rule(self, rule: SyntaxNode) -> str:
-        return self._rules.rule(rule, self._domains(rule))
-
     def _weak(self, weak: SyntaxNode) -> str:
-        return self._optimization.weak(weak, *self._rules.weak(weak, self._domains(weak)), self._step)
+        return self._optimization.weak(weak, *self._rules.weak(weak), self._step)
 
     def _part(self, part: SyntaxNode) -> str:
         """Begin a part; its parameter follows the directive, or is in brackets after the name for ``#program``."""
@@ -221,11 +223,11 @@ class FileTranslator:
         if not terms or any(term.kind != "variable" or term.text == "_" for term in terms):
             raise UntranslatableError(literal, "#domain takes an atom whose arguments are variables")
         names = [term.text for term in terms]
-        early = [name for name in names if name in self._program.seen_variables]
+        early = [name for name in names if name in self._program.variables.used]
         if early:
             message = f"#domain does not apply to earlier statements that use {', '.join(early)}"
             self.remarks.append(Fault(self._name, domain.line, domain.column, message, kind="translation"))
-        self._program.domains.append((show(literal), names))
+        self._program.variables.domains.append((show(literal), names))
         return ""
 
     def _external(self, external: SyntaxNode) -> str:
@@ -237,19 +239,16 @@ class FileTranslator:
             return _shown(external)
         element = Element.of(declared)
         conditions = [show(found) for condition in element.conditions for found in alternatives(condition)]
-        conditions += self._domains(declared)
+        conditions += self._program.variables.domains_of(variables([declared]))
         return f"#external {show(element.literal)}{' : ' if conditions else ''}{', '.join(conditions)}."
 
     def _optimize(self, statement: SyntaxNode) -> str:
         self._program.levels += 1
-        return self._optimization.optimize(statement, self._program.levels - 1, self._step, self._program.domains)
-
-    def _compute(self, statement: SyntaxNode) -> str:
-        return self._optimization.compute(statement, self._program.domains)
+        return self._optimization.optimize(statement, self._program.levels - 1, self._step)
 
 
 _WRITERS: Dict[str, Callable[[FileTranslator, SyntaxNode], str]] = {
-    "rule": FileTranslator._rule,
+    "rule": lambda translator, rule: translator._rules.rule(rule),
     "weak": FileTranslator._weak,
     **dict.fromkeys(("base", "program", "part"), FileTranslator._part),
     **dict.fromkeys(("forget", "iinit"), lambda translator, directive: _shown(directive)),
@@ -257,7 +256,7 @@ _WRITERS: Dict[str, Callable[[FileTranslator, SyntaxNode], str]] = {
     "domain": FileTranslator._domain,
     "external": FileTranslator._external,
     "optimize": FileTranslator._optimize,
-    "compute": FileTranslator._compute,
+    "compute": lambda translator, statement: translator._optimization.compute(statement),
 }
 
 

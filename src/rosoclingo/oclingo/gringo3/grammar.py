@@ -114,6 +114,10 @@ _WANTED = (
 )
 """Names of token types in messages; a message lists the accepted types of the first row that contains any."""
 
+_SCRIPTS = {
+    "script": ("scripts cannot be translated", "write the results of the script as facts"),
+    "script_call": ("calls of script functions cannot be translated", "write their results as facts"),
+}
 _DIRECTIONS = ({"<", "<="}, {">", ">="})
 _TWO_BOUNDS = "compare in one direction on both sides, as 1 <= { a, b } < 3, or omit both comparisons"
 PARITIES = ("#even", "#odd")
@@ -198,6 +202,8 @@ def parse(tokens: Sequence[SourceToken], first: int, after: int) -> SyntaxNode:
     except MisfitError as misfit:
         raise _refusal(tokens[misfit.token.start_pos or 0], misfit.accepted, remedy) from None
     for node in found.walk():
+        if node.kind in _SCRIPTS:
+            raise UntranslatableError(node, *_SCRIPTS[node.kind], limits=True)
         if node.kind in _CHECKS:
             _CHECKS[node.kind](node, tokens)
     return found
@@ -220,7 +226,7 @@ def _refusal(token: SourceToken, accepted: AbstractSet[str], remedy: str) -> Unt
     return unexpected(token, " or ".join(next(filter(None, rows), [])), remedy)
 
 
-def unexpected(token: Place, wanted: str = "", remedy: str = "") -> UntranslatableError:
+def unexpected(token: Place, wanted: str, remedy: str = "") -> UntranslatableError:
     """Return the error for an unexpected token, or the first token of an unexpected node."""
     token = token.first if isinstance(token, SyntaxNode) else token
     shown = token.shown() if isinstance(token, SourceToken) else f"'{token}'"
@@ -244,25 +250,11 @@ def _check_comparison(comparison: SyntaxNode, tokens: Sequence[SourceToken]) -> 
         raise UntranslatableError(comparison.tokens[1], "a comparison cannot be negated", "use the opposite comparison")
 
 
-def _check_call(call: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    message = "calls of script functions cannot be translated"
-    raise UntranslatableError(call, message, "write their results as facts", limits=True)
-
-
-def _check_script(script: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    remedy = "write the results of the script as facts"
-    raise UntranslatableError(script, "scripts cannot be translated", remedy, limits=True)
-
-
-def _check_negated(negated: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    if aggregate_of(negated).assigned:
-        raise unexpected(negated.parts[0].tokens[0], "a comparison")
-
-
-def _check_rule(rule: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
-    head = rule.parts[0] if rule.parts else None
-    if head and head.kind == "aggregate" and aggregate_of(head).assigned:
-        raise unexpected(head.tokens[0], "a comparison")
+def _check_owner(owner: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
+    """Raise :class:`UntranslatableError` for an assignment by an aggregate in a head or after ``not``."""
+    aggregate = owner.parts[0] if owner.parts else None
+    if aggregate and aggregate.kind == "aggregate" and aggregate_of(aggregate).assigned:
+        raise unexpected(aggregate.tokens[0], "a comparison")
 
 
 def _check_aggregate(node: SyntaxNode, tokens: Sequence[SourceToken]) -> None:
@@ -321,10 +313,8 @@ def _check_elements(core: SyntaxNode, tokens: Sequence[SourceToken], owner: str)
 _CHECKS: Dict[str, Callable[[SyntaxNode, Sequence[SourceToken]], None]] = {
     "literal": _check_literal,
     "comparison": _check_comparison,
-    "script_call": _check_call,
-    "script": _check_script,
-    "negated": _check_negated,
-    "rule": _check_rule,
+    "negated": _check_owner,
+    "rule": _check_owner,
     "aggregate": _check_aggregate,
     "optimize": _check_optimize,
     "compute": _check_optimize,

@@ -4,31 +4,22 @@ clingo 5 collects the tuples of all statements with the same priority in one set
 therefore distinguishes the tuples of different statements.
 """
 
-from typing import Iterator, List, Sequence
+from typing import List, Sequence
 
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.rules import instance
-from rosoclingo.oclingo.gringo3.terms import (
-    Domains,
-    Element,
-    Naming,
-    domain_atoms,
-    has_interval,
-    has_pool,
-    show,
-    variables,
-)
+from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, has_interval, has_pool, show, variables
 
 
 class OptimizationWriter:
     """Translates the optimization statements of one file."""
 
-    def __init__(self, naming: Naming, file: str) -> None:
-        self._naming, self._file = naming, file
+    def __init__(self, scope: VariableScope, file: str) -> None:
+        self._scope, self._file = scope, file
         self._weak_constraints = 0
 
-    def optimize(self, statement: SyntaxNode, level: int, step: str, domains: Domains) -> str:
+    def optimize(self, statement: SyntaxNode, level: int, step: str) -> str:
         """Return the translation of a statement.
 
         ``level`` is the number of earlier optimization statements, ``step`` the parameter of its part or "".
@@ -41,13 +32,13 @@ class OptimizationWriter:
             for single in element.singles() if element.terms is None else element.tuples(in_head=False):
                 priority = show(single.priority) if single.priority else str(level)
                 if single.terms is None:
-                    single = single.counted(self._naming)
+                    single = single.counted(self._scope)
                     rest = [instance(single.literal)] if is_set else variables(single.literals)
                     first = single.shown_weight
                 else:
                     first, *rest = map(show, single.terms)
                 key = mark if is_set else f"{mark},{len(texts)}"
-                conditions = ", ".join([*map(show, single.literals), *domain_atoms(variables([node]), domains)])
+                conditions = ", ".join([*map(show, single.literals), *self._scope.domains_of(variables([node]))])
                 texts.append(f"{','.join([f'{first}@{priority}', key, *rest])} : {conditions}")
         return f"{statement.text} {{ {'; '.join(texts)} }}."
 
@@ -66,13 +57,13 @@ class OptimizationWriter:
         terms = ",".join([f'"{self._file}:~{self._weak_constraints}"', *([step] if step else []), *names])
         return f":~ {body}. [{shown['weight_term']}@{shown['priority_term']},{terms}]"
 
-    def compute(self, statement: SyntaxNode, domains: Domains) -> str:
+    def compute(self, statement: SyntaxNode) -> str:
         """Return the constraints that replace a ``#compute`` statement."""
-        return " ".join(rule for node in statement.parts[0].parts for rule in self._constraints(node, domains))
-
-    def _constraints(self, node: SyntaxNode, domains: Domains) -> Iterator[str]:
-        added = domain_atoms(variables([node]), domains)
-        for single in Element.of(node).singles():
-            atom = show(single.literal.parts[0])
-            wanted = atom if single.literal.children[0] == "not" else "not " + atom
-            yield f":- {', '.join([wanted, *map(show, single.conditions), *added])}."
+        constraints: List[str] = []
+        for node in statement.parts[0].parts:
+            domains = self._scope.domains_of(variables([node]))
+            for single in Element.of(node).singles():
+                atom = show(single.literal.parts[0])
+                wanted = atom if single.literal.children[0] == "not" else "not " + atom
+                constraints.append(f":- {', '.join([wanted, *map(show, single.conditions), *domains])}.")
+        return " ".join(constraints)

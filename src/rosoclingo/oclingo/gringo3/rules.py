@@ -5,11 +5,11 @@ multiset counts every instance of every element. In clingo 5, each instance ther
 the element's number, and all variables of the element.
 """
 
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, Sequence, Tuple
 
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import PARITIES, Aggregate, UntranslatableError, aggregate_of
-from rosoclingo.oclingo.gringo3.terms import Element, Naming, alternatives, check_single, show, variables
+from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, alternatives, check_single, show, variables
 
 _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
 """For each relation between a lower bound and an average, the relation between the average and the bound."""
@@ -18,14 +18,14 @@ _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
 class RuleWriter:
     """Translates rules, their bodies and their aggregates."""
 
-    def __init__(self, naming: Naming) -> None:
-        self._naming = naming
+    def __init__(self, scope: VariableScope) -> None:
+        self._scope = scope
 
-    def rule(self, rule: SyntaxNode, domains: Sequence[str]) -> str:
-        """Return the translation of a rule; ``domains`` are additional atoms of its body."""
+    def rule(self, rule: SyntaxNode) -> str:
+        """Return the translation of a rule."""
         body = next((part for part in rule.parts if part.kind == "body"), None)
         head = next((part for part in rule.parts if part.kind != "body"), None)
-        text = self.body(body, domains)
+        text = self._joined([self._item(item) for item in (body.parts if body else ())], rule)
         behind = f" :- {text}." if text or ":-" in rule.tokens else "."
         if head is None:
             return behind.strip()
@@ -38,7 +38,7 @@ class RuleWriter:
             return " | ".join(text for element in head.parts for text in self._element_texts(element)) + behind
         return show(head) + behind
 
-    def weak(self, weak: SyntaxNode, domains: Sequence[str]) -> Tuple[str, List[str]]:
+    def weak(self, weak: SyntaxNode) -> Tuple[str, List[str]]:
         """Return the translated body of a weak constraint and the variables that distinguish its instances.
 
         Anonymous variables and intervals that yield several instances are replaced by variables.
@@ -55,21 +55,22 @@ class RuleWriter:
                 items.append(self._item(item))
                 parts = aggregate_of(item) if item.kind != "element" else None
                 terms += [term for term in (parts.lower, parts.upper) if term is not None] if parts else []
-        return _joined([*items, *((one, False) for one in domains)]), variables(terms)
+        return self._joined(items, weak), variables(terms)
 
     def _instances(self, item: SyntaxNode) -> List[SyntaxNode]:
         found: List[SyntaxNode] = []
         for literal in alternatives(item):
-            element = Element(item, literal).without_intervals(self._naming)
-            found += (element if literal.children[0] == "not" else element.named(self._naming)).literals
+            element = Element(item, literal).without_intervals(self._scope)
+            found += (element if literal.children[0] == "not" else element.named(self._scope)).literals
         return found
 
     # ---- bodies and conditions -------------------------------------------------------------------------------------
 
-    def body(self, body: Optional[SyntaxNode], domains: Sequence[str] = ()) -> str:
-        """Return the translation of a body with further atoms."""
-        items = [self._item(item) for item in (body.parts if body else ())]
-        return _joined([*items, *((one, False) for one in domains)])
+    def _joined(self, items: Sequence[Tuple[str, bool]], rule: SyntaxNode) -> str:
+        """Return a body of items and the domains of the rule's variables; a semicolon ends a condition."""
+        items = [*items, *((one, False) for one in self._scope.domains_of(variables([rule])))]
+        ends = ["; " if has_condition else ", " for _, has_condition in items[:-1]]
+        return "".join(text + end for (text, _), end in zip(items, [*ends, ""]))
 
     def _item(self, item: SyntaxNode) -> Tuple[str, bool]:
         """Return the translation of a body item, and whether the item has a condition."""
@@ -80,7 +81,7 @@ class RuleWriter:
         return self._aggregate(item, in_head=False), False
 
     def _element_texts(self, node: SyntaxNode) -> List[str]:
-        return [str(single.without_intervals(self._naming)) for single in Element.of(node).singles()]
+        return [str(single.without_intervals(self._scope)) for single in Element.of(node).singles()]
 
     # ---- aggregates ------------------------------------------------------------------------------------------------
 
@@ -111,7 +112,7 @@ class RuleWriter:
         if element.terms is None or in_head:
             _check_atom(element)
         if element.terms is None:
-            singles = [single.counted(self._naming) for single in element.singles()]
+            singles = [single.counted(self._scope) for single in element.singles()]
             return "; ".join(_with_tuple(f"0,{instance(one.literal)}", one, in_head) for one in singles)
         mark = ["1"] if function == "#count" else []
         singles = element.tuples(in_head)
@@ -122,7 +123,7 @@ class RuleWriter:
         singles = [single for node in parts.core.parts for single in Element.of(node).singles()]
         texts = []
         for key, single in enumerate(singles):
-            element = single.counted(self._naming)
+            element = single.counted(self._scope)
             if in_head and element.literal.kind == "comparison":
                 raise UntranslatableError(element.place, "a comparison in a head cannot be translated")
             terms = ",".join([change(element.shown_weight), str(key), *variables(element.literals)])
@@ -160,7 +161,7 @@ class RuleWriter:
 
     def _parity(self, parts: Aggregate, wanted: bool) -> str:
         """Return body literals for the parity of an aggregate; for its opposite if ``wanted`` is false."""
-        value = show(self._naming.fresh())
+        value = show(self._scope.fresh())
         aggregate = f"{{ {self._set(parts)} }}" if parts.is_set else f"#sum {{ {self._multiset(parts, False)} }}"
         relation = "=" if (parts.function == "#even") == wanted else "!="
         return f"{value} = {aggregate}, {value} \\ 2 {relation} 0"
@@ -170,12 +171,6 @@ class RuleWriter:
         if parts.function == "#avg":
             return " ".join(head + behind for head in self._averages(parts, in_head=True) or [choice])
         return f"{choice}{behind} :- {body + '; ' if body else ''}{self._parity(parts, False)}."
-
-
-def _joined(items: Sequence[Tuple[str, bool]]) -> str:
-    """Return a body of items; a semicolon ends a condition."""
-    ends = ["; " if has_condition else ", " for _, has_condition in items[:-1]]
-    return "".join(text + end for (text, _), end in zip(items, [*ends, ""]))
 
 
 def instance(literal: SyntaxNode) -> str:

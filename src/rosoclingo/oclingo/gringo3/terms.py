@@ -61,15 +61,6 @@ def variables(nodes: Iterable[SyntaxNode]) -> List[str]:
     return [name for name in dict.fromkeys(names) if name != "_"]
 
 
-Domains = Sequence[Tuple[str, Sequence[str]]]
-"""Atoms declared by ``#domain``, each with its variables."""
-
-
-def domain_atoms(names: Iterable[str], domains: Domains) -> List[str]:
-    """Return the atoms of the declarations that declare one of the variables."""
-    return [atom for atom, own in domains if not set(names).isdisjoint(own)]
-
-
 def _rebuilt(node: SyntaxNode, children: Sequence[Union[SyntaxNode, Token]]) -> SyntaxNode:
     return SyntaxNode(node.data, list(children))
 
@@ -108,18 +99,31 @@ def alternatives(node: SyntaxNode) -> List[SyntaxNode]:
     return _alternatives(node)
 
 
-class Naming:
-    """Generates variables that do not occur in a text."""
+class VariableScope:
+    """The variables of a program.
 
-    def __init__(self, used: Iterable[str]) -> None:
-        self._used: Set[str] = set(used)
+    Attributes:
+        domains: the atoms that ``#domain`` declares, each with its variables.
+        used: the variables of the earlier statements.
+
+    """
+
+    def __init__(self, reserved: Iterable[str]) -> None:
+        """Create a scope; ``reserved`` are all variables in the text of the program."""
+        self._reserved: Set[str] = set(reserved)
         self._count = 0
+        self.domains: List[Tuple[str, List[str]]] = []
+        self.used: Set[str] = set()
 
     def fresh(self) -> SyntaxNode:
         """Return a variable that is neither in the text nor the result of an earlier call."""
         self._count += 1
         name = f"V{self._count}"
-        return self.fresh() if name in self._used else SyntaxNode("variable", [Token("VARIABLE", name)])
+        return self.fresh() if name in self._reserved else SyntaxNode("variable", [Token("VARIABLE", name)])
+
+    def domains_of(self, names: Iterable[str]) -> List[str]:
+        """Return the ``#domain`` atoms that declare one of the variables."""
+        return [atom for atom, own in self.domains if not set(names).isdisjoint(own)]
 
 
 class Element(NamedTuple):
@@ -181,7 +185,7 @@ class Element(NamedTuple):
             self._replace(literal=one, conditions=(*more, *rest), terms=terms) for one, *more in heads for terms in ways
         ]
 
-    def without_intervals(self, naming: Naming) -> "Element":
+    def without_intervals(self, scope: VariableScope) -> "Element":
         """Return the element with a variable for each interval and a condition ``variable = interval``."""
         ranges: List[SyntaxNode] = []
 
@@ -189,7 +193,7 @@ class Element(NamedTuple):
             """Return a variable for an interval and record its range; return other terms unchanged."""
             if term.kind != "interval":
                 return term
-            variable = naming.fresh()
+            variable = scope.fresh()
             ranges.append(SyntaxNode("comparison", [variable, Token("EQUAL", "="), term]))
             return variable
 
@@ -201,21 +205,21 @@ class Element(NamedTuple):
         conditions = [one if is_range(one) else replace(one, name) for one in self.conditions]
         return self._replace(literal=literal, conditions=(*conditions, *ranges))
 
-    def named(self, naming: Naming) -> "Element":
+    def named(self, scope: VariableScope) -> "Element":
         """Return the element with a unique variable for each ``_``."""
 
         def name(term: SyntaxNode) -> SyntaxNode:
-            return naming.fresh() if term.kind == "variable" and term.text == "_" else term
+            return scope.fresh() if term.kind == "variable" and term.text == "_" else term
 
         literal, *conditions = (replace(one, name) for one in self.literals)
         return self._replace(literal=literal, conditions=tuple(conditions))
 
-    def counted(self, naming: Naming) -> "Element":
+    def counted(self, scope: VariableScope) -> "Element":
         """Return the element with variables for intervals and ``_``, so that a multiset counts each instance."""
         if any(term is not None and has_interval(term) for term in (self.weight, self.priority)):
             message = "an interval as weight or priority is ambiguous"
             raise UntranslatableError(self.place, message, "use a variable with a condition")
-        return self.without_intervals(naming).named(naming)
+        return self.without_intervals(scope).named(scope)
 
 
 def check_single(place: SyntaxNode, term: Optional[SyntaxNode], what: str) -> None:

@@ -1,25 +1,26 @@
 """Translation of ``#show`` and ``#hide``.
 
 gringo 3 shows all atoms that are not hidden; clingo 5 shows all atoms only if there is no ``#show``. The translation
-therefore depends on all files of a program: it collects the statements and writes them at the end.
+therefore depends on all files of a program.
 """
 
 import contextlib
-from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
+from functools import cached_property
+from typing import Dict, Iterator, List, Sequence, Tuple
 
-from clingo.ast import AST, ASTType, Transformer, parse_string
+from clingo.ast import AST, ASTType, parse_string
 
-from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
-from rosoclingo.oclingo.gringo3.rewriter import Rewriting
-from rosoclingo.oclingo.gringo3.terms import Element, Naming, show
+from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, show
 
 Signature = Tuple[str, int]
 """Name and arity of a predicate; the name of a classically negated one begins with ``-``."""
 
 HIDDEN = "_hidden"
 """Name of the predicate for single atoms that a program hides."""
+
+_SHOW = "#show {}/{}."
 
 
 def signature(node: SyntaxNode) -> Signature:
@@ -34,49 +35,36 @@ def signatures_of(literal: SyntaxNode) -> List[Signature]:
     return [(sign + inner.text, len(arguments.parts)) for arguments in inner.parts] or [(sign + inner.text, 0)]
 
 
-class ShowStatement(NamedTuple):
-    """A ``#show`` or ``#hide`` with its file, the file's faults and edits, its token range and its part's parameter."""
+class ShowStatement:
+    """A ``#show`` or ``#hide``.
 
-    file: str
-    faults: List[Fault]
-    rewriting: Rewriting
-    place: Tuple[int, int]
-    step: str
-    node: SyntaxNode
-    domains: Sequence[str]
+    Attributes:
+        node: its syntax tree.
+        step: the parameter of its program part, "" in base.
+        domains: the atoms that ``#domain`` adds to its conditions.
+        shows: whether it is a ``#show``.
+        signatures: the predicates that it shows or hides as a whole.
+        element: the conditional atoms that it shows or hides otherwise.
 
-    @property
-    def shows(self) -> bool:
-        """Whether the statement is a ``#show``."""
-        return self.node.text == "#show"
+    """
 
-    @property
-    def element(self) -> Optional[Element]:
-        """The conditional atoms of the statement, None if it names signatures."""
-        node = self.node.parts[0] if self.node.parts else None
-        return Element.of(node) if node is not None and node.kind == "element" else None
-
-    @property
-    def signatures(self) -> List[Signature]:
-        """The predicates that the statement shows or hides as a whole."""
-        if self.element is not None:
-            return whole_predicate(self.element)
-        return [signature(one) for part in self.node.parts for one in part.parts]
-
-    @property
-    def is_of_all(self) -> bool:
-        """Whether the statement shows or hides all atoms."""
-        return not self.node.parts
+    def __init__(self, node: SyntaxNode, step: str, domains: Sequence[str]) -> None:
+        self.node, self.step, self.domains = node, step, domains
+        self.shows = node.text == "#show"
+        self.element = Element.of(node.parts[0]) if node.parts and node.parts[0].kind == "element" else None
+        if self.element is None:
+            self.signatures = [signature(one) for part in node.parts for one in part.parts]
+        else:
+            self.signatures = whole_predicate(self.element)
+            self.element = None if self.signatures else self.element
 
 
 class Visibility:
     """Collects the atoms that a program shows, hides and defines, and writes clingo 5's ``#show`` statements."""
 
-    def __init__(self, naming: Naming) -> None:
-        self._naming = naming
+    def __init__(self, scope: VariableScope) -> None:
+        self._scope = scope
         self._statements: List[ShowStatement] = []
-        self._defined: Dict[Signature, None] = {}
-        self._in_steps: Set[Signature] = set()
         self._texts: List[Tuple[str, str]] = []
         self._hides_all = False
         self._listed = False
@@ -88,30 +76,29 @@ class Visibility:
     def add(self, statement: ShowStatement) -> None:
         """Record a ``#show`` or ``#hide``."""
         self._statements.append(statement)
-        if statement.is_of_all:
+        if not statement.node.parts:
             self._hides_all = not statement.shows
 
-    def write(self) -> None:
-        """Edit the files; add statements that cannot be translated to the faults of their files."""
-        for text, step in self._texts if self._statements else ():
-            found = head_signatures(text)
-            self._defined.update(dict.fromkeys(found))
-            self._in_steps.update(found if step else ())
-        for statement in self._statements:
-            try:
-                statement.rewriting.replace(*statement.place, self._text(statement))
-            except UntranslatableError as refusal:
-                statement.faults.append(refusal.fault(statement.file))
+    @cached_property
+    def _defined(self) -> Dict[Signature, bool]:
+        """For each predicate in heads and ``#external`` statements, whether it occurs in steps."""
+        found: Dict[Signature, bool] = {}
+        for text, step in self._texts:
+            for one in head_signatures(text):
+                found[one] = found.get(one, False) or bool(step)
+        return found
 
-    def _text(self, statement: ShowStatement) -> str:
-        """Return the translation of a statement."""
-        element, signatures = statement.element, statement.signatures
-        if element is not None and not signatures:
-            return (self._shown_atoms if statement.shows else self._hidden_atoms)(statement, element)
-        if statement.is_of_all:
+    def text(self, statement: ShowStatement) -> str:
+        """Return the translation of a statement, after all statements of the program were recorded.
+
+        Raises :class:`UntranslatableError`.
+        """
+        if statement.element is not None:
+            return (self._shown_atoms if statement.shows else self._hidden_atoms)(statement, statement.element)
+        if not statement.node.parts:
             return "#show." if not statement.shows and self._hides_all else ""
         if self._hides_all:
-            return " ".join(map(_show_signature, signatures)) if statement.shows else ""
+            return " ".join(_SHOW.format(*one) for one in statement.signatures) if statement.shows else ""
         return "" if statement.shows else self._list()
 
     def _list(self) -> str:
@@ -119,11 +106,10 @@ class Visibility:
         if self._listed:
             return ""
         self._listed = True
-        elements = [one.element for one in self._statements if not one.shows and one.element]
+        elements = [one.element for one in self._statements if not one.shows and one.element is not None]
         partly = [found for element in elements for found in signatures_of(element.literal)]
         invisible = {*self._all_signatures(False), *partly}
-        visible = [signature for signature in self._defined if signature not in invisible]
-        return " ".join(["#show.", *map(_show_signature, visible)])
+        return " ".join(["#show.", *(_SHOW.format(*one) for one in self._defined if one not in invisible)])
 
     def _all_signatures(self, shows: bool) -> List[Signature]:
         return [found for one in self._statements if one.shows == shows for found in one.signatures]
@@ -132,7 +118,7 @@ class Visibility:
         signatures = signatures_of(element.literal)
         if not self._hides_all and not set(signatures) & set(self._all_signatures(False)):
             return ""
-        if not statement.step and set(signatures) & self._in_steps:
+        if not statement.step and any(self._defined.get(one) for one in signatures):
             message = "the base part cannot show atoms that steps define"
             raise UntranslatableError(statement.node, message, "move it to the part that defines them")
         return " ".join(f"#show {atom} : {body}." for atom, body in self._singles(statement, element))
@@ -141,7 +127,7 @@ class Visibility:
         (signature, *more) = signatures_of(element.literal)
         if self._hides_all and signature not in self._all_signatures(True):
             return ""
-        if self._hides_all or self._in_steps or more:
+        if self._hides_all or any(self._defined.values()) or more:
             message = "single atoms cannot be hidden in a program with steps or in one that hides all"
             remedy = "hide the predicate as a whole, or show the atoms that remain"
             raise UntranslatableError(statement.node, message, remedy)
@@ -153,7 +139,7 @@ class Visibility:
 
     def _singles(self, statement: ShowStatement, element: Element) -> List[Tuple[str, str]]:
         """Return each atom of a statement with its condition."""
-        singles = [single.counted(self._naming) for single in element.singles()]
+        singles = [single.counted(self._scope) for single in element.singles()]
         return [(show(one.literal), ", ".join([*map(show, one.literals), *statement.domains])) for one in singles]
 
 
@@ -162,16 +148,9 @@ def whole_predicate(element: Element) -> List[Signature]:
     lists = element.literal.parts[0].parts
     arguments = lists[0].parts if len(lists) == 1 and lists[0].kind == "list" else []
     names = [term.text for term in arguments if term.kind == "variable" and term.text != "_"]
-    only_variables = arguments and all(term.kind == "variable" for term in arguments)
-    return (
-        []
-        if element.conditions or not only_variables or len(set(names)) < len(names)
-        else signatures_of(element.literal)
-    )
-
-
-def _show_signature(signature: Signature) -> str:
-    return "#show {}/{}.".format(*signature)
+    if element.conditions or not arguments or len(set(names)) < len(names):
+        return []
+    return signatures_of(element.literal) if all(term.kind == "variable" for term in arguments) else []
 
 
 def head_signatures(text: str) -> List[Signature]:
@@ -179,40 +158,36 @@ def head_signatures(text: str) -> List[Signature]:
 
     The text is converted to ASCII: clingo's module aborts the process if a message cuts a longer character.
     """
-    atoms = _Atoms()
+    found: List[Signature] = []
+
+    def collect(statement: AST) -> None:
+        if statement.ast_type in (ASTType.Rule, ASTType.External):
+            head = statement.head if statement.ast_type == ASTType.Rule else statement.atom
+            found.extend(signature for atom in _atoms(head) for signature in _signatures_of_term(atom.symbol))
+
     plain = text.encode("ascii", "replace").decode("ascii")
     with contextlib.suppress(RuntimeError):  # the loader reports the error
-        parse_string(plain, atoms.collect, logger=lambda code, message: None)
-    return list(atoms.found)
+        parse_string(plain, collect, logger=lambda code, message: None)
+    return found
 
 
-class _Atoms(Transformer):
-    """Collects the signatures of the atoms that statements define or declare."""
+def _atoms(node: AST) -> Iterator[AST]:
+    """Yield the atoms of a head, without those of conditions."""
+    if node.ast_type == ASTType.SymbolicAtom:
+        yield node
+    for key in ["literal"] if node.ast_type == ASTType.ConditionalLiteral else node.child_keys:
+        child = getattr(node, key)
+        for one in (child,) if isinstance(child, AST) else child or ():
+            yield from _atoms(one)
 
-    def __init__(self) -> None:
-        self.found: Dict[Signature, None] = {}
 
-    def collect(self, statement: AST) -> None:
-        """Collect the signatures of a statement."""
-        if statement.ast_type in (ASTType.Rule, ASTType.External):
-            self.visit(statement.head if statement.ast_type == ASTType.Rule else statement.atom)
-
-    def visit_SymbolicAtom(self, node: AST) -> AST:
-        """Record an atom."""
-        self._note(node.symbol, "")
-        return node
-
-    def visit_ConditionalLiteral(self, node: AST) -> AST:
-        """Visit the literal, not its condition."""
-        self.visit(node.literal)
-        return node
-
-    def _note(self, term: AST, sign: str) -> None:
-        if term.ast_type == ASTType.UnaryOperation:
-            self._note(term.argument, "-")
-        elif term.ast_type == ASTType.Pool:
-            for alternative in term.arguments:
-                self._note(alternative, sign)
-        else:
-            of = term if term.ast_type == ASTType.Function else term.symbol
-            self.found[sign + of.name, len(of.arguments)] = None
+def _signatures_of_term(term: AST, sign: str = "") -> Iterator[Signature]:
+    """Yield the signatures of an atom's term, one for each alternative of a pool."""
+    if term.ast_type == ASTType.UnaryOperation:
+        yield from _signatures_of_term(term.argument, "-")
+    elif term.ast_type == ASTType.Pool:
+        for alternative in term.arguments:
+            yield from _signatures_of_term(alternative, sign)
+    else:
+        of = term if term.ast_type == ASTType.Function else term.symbol
+        yield sign + of.name, len(of.arguments)
