@@ -1,6 +1,8 @@
 """The actions of each cycle in one control, and the constraints of closed cycles."""
 
-from typing import Collection, Container, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+import math
+from types import MappingProxyType
+from typing import Collection, Container, Dict, Iterable, List, Mapping, Set, Tuple
 
 import clingo
 
@@ -16,16 +18,15 @@ class ActionIndex(AtomIndex):
         self,
         control: clingo.Control,
         session: BackendSession,
-        first: Optional[int] = None,
-        executed: Optional[Mapping[clingo.Symbol, int]] = None,
+        first: float = -math.inf,
+        executed: Mapping[clingo.Symbol, int] = MappingProxyType({}),
     ) -> None:
         """Index the actions in ``control``; the actions before the ``first`` cycle are facts.
 
         ``executed`` maps each assumable action to the literal that is true if it was executed.
         """
         super().__init__(control, [ACTION])
-        self._session, self._first = session, first
-        self._executed: Mapping[clingo.Symbol, int] = {} if executed is None else executed
+        self._session, self._first, self._executed = session, first, executed
         self._cycles: Dict[int, List[Tuple[clingo.Symbol, int]]] = {}
         self._closed: Dict[int, Set[clingo.Symbol]] = {}
 
@@ -45,7 +46,7 @@ class ActionIndex(AtomIndex):
 
     def forbid_late(self) -> None:
         """Forbid newly grounded actions of closed or compacted cycles, unless they were executed."""
-        for cycle in [one for one in self._open() if one in self._closed or self._is_before(one)]:
+        for cycle in [one for one in self._open() if one in self._closed or one < self._first]:
             self._forbid(cycle)
 
     def _open(self) -> Collection[int]:
@@ -56,19 +57,12 @@ class ActionIndex(AtomIndex):
                 self._cycles.setdefault(cycle.number, []).append((atom, literal))
         return self._cycles.keys()
 
-    def _is_before(self, cycle: int) -> bool:
-        return self._first is not None and cycle < self._first
-
-    def _is_allowed(self, atom: clingo.Symbol, cycle: int) -> bool:
-        if cycle in self._closed:
-            return atom in self._closed[cycle]
-        known = self._control.symbolic_atoms[atom]
-        return known is not None and known.is_fact
-
     def _forbid(self, cycle: int) -> None:
         self._open()
         for atom, literal in self._cycles.pop(cycle, []):
-            if not self._is_allowed(atom, cycle):
+            known = self._control.symbolic_atoms[atom]
+            is_fact = known is not None and known.is_fact
+            if not (atom in self._closed[cycle] if cycle in self._closed else is_fact):
                 self._session.backend.add_rule([], [literal])
             elif atom in self._executed:
                 self._session.backend.add_rule([], [literal, -self._executed[atom]])

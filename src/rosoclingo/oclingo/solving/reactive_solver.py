@@ -6,8 +6,7 @@ or refused as a whole, and no input text can terminate the solver.
 
 import time
 from dataclasses import replace
-from itertools import chain
-from typing import Callable, Iterator, Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -24,11 +23,6 @@ BLOCK = 64
 """Number of steps that regrounding grounds in one call."""
 
 _OUTCOMES = {True: SolveOutcome.SATISFIABLE, False: SolveOutcome.UNSATISFIABLE, None: SolveOutcome.INTERRUPTED}
-
-
-def _never() -> bool:
-    """A stop callback that never stops."""
-    return False
 
 
 class ReactiveSolver:
@@ -75,7 +69,7 @@ class ReactiveSolver:
 
     def solve(self, stopped: Optional[Stopped] = None) -> SolveResult:
         """Search without an update; before the first update, at horizon 1."""
-        return self._run(None, stopped or _never)
+        return self._run(None, stopped)
 
     def update(self, update: StreamUpdate, stopped: Optional[Stopped] = None) -> SolveResult:
         """Accept ``update`` and search for answers, growing the horizon until there is one or the bound is reached.
@@ -83,7 +77,7 @@ class ReactiveSolver:
         ``stopped`` ends the search; the update stays accepted. Raises SolverError if the update is refused, and
         StoppedError if ``stopped`` returns true while the program is regrounded; the state is then unchanged.
         """
-        result = self._run(update, stopped or _never)
+        result = self._run(update, stopped)
         return replace(result, warnings=update.warnings + result.warnings)
 
     def reapply(self, update: Optional[StreamUpdate], horizon: int) -> None:
@@ -93,10 +87,10 @@ class ReactiveSolver:
     def _with_update(self, update: Optional[StreamUpdate]) -> StreamState:
         return self.state.with_update(None if update is None else strings_as_constants(update), self.program)
 
-    def _run(self, update: Optional[StreamUpdate], stopped: Stopped) -> SolveResult:
+    def _run(self, update: Optional[StreamUpdate], stopped: Optional[Stopped]) -> SolveResult:
         check_horizon_limit(update, self.horizon, self._limit)
         try:
-            return self._search(self._with_update(update), stopped)
+            return self._search(self._with_update(update), stopped or (lambda: False))
         except BaseException:
             self._grounding = None  # the change can be incomplete
             raise
@@ -129,7 +123,9 @@ class ReactiveSolver:
         horizon = max(state.horizon, last or state.horizon) if permanent else state.horizon
         spent = {"solve": seconds, "ground": time.perf_counter() - start - seconds}
         spent["needed"] = time.process_time() - began
-        warnings += self._new(chain(unused_facts(self.program, state), grounding.new_remarks()))
+        found = dict.fromkeys([*unused_facts(self.program, state), *grounding.new_remarks()])
+        warnings += [text for text in found if text not in self._reported]
+        self._reported.update(found)
         all_warnings = (*state.warnings, *warnings)
         return SolveResult(_OUTCOMES[satisfiable], answers, horizon, state.step, all_warnings, permanent, spent)
 
@@ -149,10 +145,3 @@ class ReactiveSolver:
             if grounding.horizon < accepted and stopped():
                 raise StoppedError
         return grounding
-
-    def _new(self, texts: Iterator[str]) -> Iterator[str]:
-        """Yield the warnings that were not reported before."""
-        for text in texts:
-            if text not in self._reported:
-                self._reported.add(text)
-                yield text

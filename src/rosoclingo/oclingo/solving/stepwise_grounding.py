@@ -129,7 +129,8 @@ class StepwiseGrounding(ABC):
         definitions, head = self.definitions, entry.statement.head
         if head in self.open_facts:
             return not entry.statement.body or entry.update == self.open_facts[head]
-        if head is None or definitions.is_open(head, entry.update) or self._is_unmentioned(head):
+        is_known = head is not None and (self._mentions(head) or definitions.knows(head) or definitions.is_closed(head))
+        if head is None or not is_known or definitions.is_open(head, entry.update):
             self._add(entry)
             return True
         if not entry.statement.body and definitions.is_true(head):
@@ -150,12 +151,6 @@ class StepwiseGrounding(ABC):
         deferred, self.deferred = self.deferred, []
         for entry in deferred:
             self._accept(entry)
-
-    def _is_unmentioned(self, atom: clingo.Symbol) -> bool:
-        """Return whether the program does not mention ``atom``, so that any update can define it."""
-        if self._mentions(atom):
-            return False
-        return not self.definitions.knows(atom) and not self.definitions.is_closed(atom)
 
     def _mentions(self, atom: clingo.Symbol) -> bool:
         """Return whether the program mentions the predicate of ``atom``."""

@@ -185,12 +185,14 @@ class StreamState:
         number = self.number + 1
         update = with_failures(program, update, self.permanent)
         start = self.initial(program) if Reset() in update.items else self
-        start = start._with_past(update, program).without_facts(update.withdrawn)
+        over = (item.step for item in update.items if isinstance(item, Expire))
+        closed = {**start.closed, **closed_cycles(update, program.first_step, start.step)}
+        start = replace(start, closed=closed, keep_from=max([start.keep_from, *over])).without_facts(update.withdrawn)
         step, bound = start.step, start.bound
         if update.step is not None:
             step, bound = update.step, None if update.bound is None else update.step + update.bound
         min_horizon, horizon = max(start.min_horizon, step), max(start.horizon, step)
-        kept = [one for one in start.items if not _lapses(one, min_horizon)]
+        kept = [one for one in start.items if not _has_passed(one, min_horizon, with_update=True)]
         timely, late_warnings = start._without_late(update)
 
         def number_of(statement: Statement) -> int:
@@ -225,7 +227,7 @@ class StreamState:
         """Return the state after a step-by-step search up to ``horizon``, the lowest horizon of later searches."""
         state = replace(self, horizon=min(self.horizon, horizon), min_horizon=horizon)
         for step in range(state.horizon + 1, horizon + 1):
-            items = (one for one in state.items if not (isinstance(one, TimedStatement) and _has_passed(one, step)))
+            items = (one for one in state.items if not _has_passed(one, step))
             state = replace(state, items=tuple(items)).with_horizon(step, program)
         return state
 
@@ -239,25 +241,17 @@ class StreamState:
         )
         return replace(self, items=items, closed={cycle: executed - facts for cycle, executed in self.closed.items()})
 
-    def _with_past(self: State, update: StreamUpdate, program: ReactiveProgram) -> State:
-        """Return the state with the cycles and steps that ``update`` declares closed or over."""
-        closed = {**self.closed, **closed_cycles(update, program.first_step, self.step)}
-        over = (item.step for item in update.items if isinstance(item, Expire))
-        return replace(self, closed=closed, keep_from=max([self.keep_from, *over]))
-
     def _without_late(self, update: StreamUpdate) -> Tuple[StreamUpdate, Tuple[str, ...]]:
         """Return ``update`` without facts that come too late for the state, and warnings about them."""
         return update, ()
 
 
-def _lapses(item: StateItem, min_horizon: int) -> bool:
-    """Return whether ``item`` lapses with an update after which ``min_horizon`` is the least horizon."""
-    return isinstance(item, TimedStatement) and (item.lifetime == UPDATE or _has_passed(item, min_horizon))
-
-
-def _has_passed(item: TimedStatement, min_horizon: int) -> bool:
-    """Return whether the window of a statement ends before ``min_horizon``."""
-    return isinstance(item.lifetime, int) and item.lifetime < min_horizon
+def _has_passed(item: StateItem, min_horizon: int, with_update: bool = False) -> bool:
+    """Return whether the window of a statement ends before ``min_horizon``, or it ends with the next update."""
+    if not isinstance(item, TimedStatement):
+        return False
+    ends = isinstance(item.lifetime, int) and item.lifetime < min_horizon
+    return ends or (with_update and item.lifetime == UPDATE)
 
 
 def _with_statements(
