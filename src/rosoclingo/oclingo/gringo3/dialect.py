@@ -78,16 +78,12 @@ class SourceFile:
             return set()
         return {number for number, text in enumerate(texts) if not accepted_by_clingo(text)}
 
-    @cached_property
-    def has_gringo3_words(self) -> bool:
-        """Whether the file has tokens that only gringo 3 has."""
-        return any(one.text in GRINGO3_WORDS for one in self.tokens)
-
     @property
     def is_plain(self) -> bool:
         """Whether no statement of the file indicates gringo 3."""
-        plain = self.pragma is None and not self.has_gringo3_words and not self.not_clingo5
-        return plain or self.pragma is Dialect.CLINGO5
+        if self.pragma is not None:
+            return self.pragma is Dialect.CLINGO5
+        return GRINGO3_WORDS.isdisjoint(one.text for one in self.tokens) and not self.not_clingo5
 
     @cached_property
     def reads_alike(self) -> bool:

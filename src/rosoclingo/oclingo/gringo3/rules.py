@@ -142,9 +142,9 @@ class RuleWriter:
         if negated and len(sums) > 1:
             message = "'not' before an average with two bounds cannot be translated"
             raise UntranslatableError(node, message, "write one rule for each bound")
-        if negated:
-            return "not " + sums[0] if sums else "#false"
-        return ", ".join(sums) if sums else "#true"
+        if not sums:
+            return "#false" if negated else "#true"
+        return ("not " if negated else "") + ", ".join(sums)
 
     def _averages(self, parts: Aggregate, in_head: bool) -> List[str]:
         """Return the sums that are equivalent to the bounds on an average, one for each bound.

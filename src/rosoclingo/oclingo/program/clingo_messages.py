@@ -12,12 +12,16 @@ _MESSAGE = re.compile(
     r"(?P<file>.+?):(?P<line>[0-9]+):(?P<column>[0-9]+)(?:-[0-9:]+)?: (?P<kind>[a-z]+): (?P<text>.*)", re.S
 )
 _NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
-_PART = re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+")
-_VALUE = re.compile(r"\.\[false\]$")
-_GUARD = re.compile(r";?__oclingo_volatile\([^)]*\)")
 _SCRIPT = re.compile(r"\w+ support not available")
 _WARNINGS = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
-_ANONYMOUS = (  # how clingo and this package write anonymous variables
+_REPLACEMENTS = (  # of what clingo and this package add to rules
+    (re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+"), r"\1 "),
+    (re.compile(r";?__oclingo_volatile\([^)]*\)"), ""),
+    (re.compile(r":- \."), "."),
+    (re.compile(r"#void:-"), ":-"),
+    (re.compile(r"\.\[false\]$"), "."),
+    (re.compile(r": \."), "."),
+    # anonymous variables
     (re.compile(r"\bAny__[0-9]+\b"), "_"),
     (re.compile(r"#p_(\w+)\("), r"\1("),
     (re.compile(r"#b\(([^()]*)\)"), r"\1"),
@@ -29,10 +33,6 @@ ParameterAt = Callable[[str, int], str]
 
 StatementAt = Callable[[str, int, int], str]
 """Returns the source text of the statement at a file, line and column, or an empty string."""
-
-
-def _no_statement(file: str, line: int, column: int) -> str:
-    return ""
 
 
 @dataclass
@@ -56,7 +56,7 @@ class Messages:
         self,
         error: RuntimeError,
         parameter_at: ParameterAt = lambda file, line: "t",
-        statement_at: StatementAt = _no_statement,
+        statement_at: StatementAt = lambda file, line, column: "",
     ) -> List[Fault]:
         """Return the errors among the messages; without any, the text of ``error`` and all messages."""
         errors = [text for code, text in self.received if code == clingo.MessageCode.RuntimeError]
@@ -66,45 +66,37 @@ class Messages:
     def new_remarks(self, parameter_at: ParameterAt) -> List[Fault]:
         """Return the warnings that clingo has issued since the last call."""
         fresh, self.reported = self.received[self.reported :], len(self.received)
-        return [_fault(text, parameter_at) for code, text in fresh if code in _WARNINGS]
+        return [_fault(text, parameter_at, lambda *place: "") for code, text in fresh if code in _WARNINGS]
 
 
-def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt = _no_statement) -> Fault:
+def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt) -> Fault:
     match = _MESSAGE.match(text)
     if match is None:
-        return Fault("<program>", 0, 0, text, kind=_kind_of(text))
-    message = (
-        _GUARD.sub("", _PART.sub(r"\1 ", match.group("text").strip())).replace(":- .", ".").replace("#void:-", ":-")
-    )
-    message = _VALUE.sub(".", message).replace(": .", ".")
-    for form, written in _ANONYMOUS:
+        return Fault("<program>", 0, 0, text, kind="clingo")
+    file, line, column = match.group("file"), int(match.group("line")), int(match.group("column"))
+    message = match.group("text").strip()
+    for form, written in _REPLACEMENTS:
         message = form.sub(written, message)
     if "#Inc0" in message:
-        message = message.replace("#Inc0", parameter_at(match.group("file"), int(match.group("line"))))
-    remedy, kind = "", _kind_of(match.group("kind"))
+        message = message.replace("#Inc0", parameter_at(file, line))
+    remedy, kind = "", "syntax" if match.group("kind") == "error" else "clingo"
     variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
     if variables:
         kind = "unsafe"
         rule = _NOTE.sub("", message).split("\n", 1)[-1].strip()
-        place = match.group("file"), int(match.group("line")), int(match.group("column"))
-        rule = statement_at(*place) or rule.replace(":- 0=0;", ":- ")
+        rule = statement_at(file, line, column) or rule.replace(":- 0=0;", ":- ")
         message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
         remedy = "bind each variable by a positive body literal, for instance a domain like office(X)"
         if rule.startswith("#external"):
             remedy = "bind each variable by a condition, for instance #external e(X) : office(X)."
     elif message.startswith("operation undefined:"):
         kind = "undefined-operation"
-        message = (
-            "undefined operation " + message.split("\n", 1)[-1].strip() + ": clingo omits the instances that need it"
-        )
+        operation = message.split("\n", 1)[-1].strip()
+        message = f"undefined operation {operation}: clingo omits the instances that need it"
         remedy = "make sure that both sides are numbers and no divisor is 0"
     elif _SCRIPT.match(message):
         message, remedy = "scripts are not executed", "write the results of the script as facts"
     elif message.startswith("no definition found for theory atom:"):
         message = f"no #theory defines the theory atom &{message.split()[-1]}, and none is interpreted"
         remedy = "write rules about atoms with the step, or an aggregate like #sum"
-    return Fault(match.group("file"), int(match.group("line")), int(match.group("column")), message, remedy, kind)
-
-
-def _kind_of(word: str) -> str:
-    return "syntax" if word == "error" else "clingo"
+    return Fault(file, line, column, message, remedy, kind)

@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Set
+from typing import Dict, List, Mapping, Optional, Sequence, Set
 
 import clingo
 from clingo.ast import Position
@@ -164,10 +164,7 @@ class Collector:
 def _parse(file: LoadedFile, text: str, found: Directives, faults: List[Fault]) -> Sequence[Node]:
     name, plain = file.source.name, take_directives(text, file.source.name, found)
     try:
-        if file.translation is None:
-            return _parse_file(plain, name)
-        origin = file.translation.place
-        return _parse_text(plain, lambda one: Position(name, *origin(one.line)))
+        return _parse_text(plain, name, file.translation)
     except ProgramError as error:
         for fault in error.faults:  # clingo names the text <string>
             place, message = fault.file.replace("<string>", name), fault.message.replace("<string>", name)
@@ -175,14 +172,13 @@ def _parse(file: LoadedFile, text: str, found: Directives, faults: List[Fault]) 
         return ()
 
 
-@lru_cache(maxsize=32)
-def _parse_file(text: str, name: str) -> Sequence[Node]:
-    """Return the statements of a file; cached, since programs with common files are loaded repeatedly."""
-    return _parse_text(text, lambda one: Position(name, one.line, one.column))
+@lru_cache(maxsize=32)  # programs with common files are loaded repeatedly
+def _parse_text(text: str, name: str, translation: Optional[Translation]) -> Sequence[Node]:
+    """Return the statements of a text, with the positions of the file ``name``; raises ProgramError."""
 
+    def place(one: Position) -> Position:
+        return Position(name, *(translation.place(one.line) if translation else (one.line, one.column)))
 
-def _parse_text(text: str, place: Callable[[Position], Position]) -> List[Node]:
-    """Return the statements of ``text``, with positions replaced by ``place`` of them; raises ProgramError."""
     messages = Messages()
     try:
         statements = parse(text, messages.log)

@@ -9,7 +9,7 @@ import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Callable, ContextManager, List, NoReturn, Optional, Sequence, Tuple
+from typing import Callable, ContextManager, List, Optional, Sequence, Tuple
 
 from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.errors import ProgramError, SolverError
@@ -145,7 +145,7 @@ def main(arguments: Optional[Sequence[str]], make_solver: MakeSolver, add_check:
     if check is not None:
         options.files = files
         return check(options)
-    signal.signal(signal.SIGTERM, _terminate)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(0))
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(encoding="utf-8", errors="replace")
     try:
@@ -244,10 +244,6 @@ def _source(file: str) -> Source:
     if sys.stdin.isatty():
         _say("reading the program from standard input; end it with Ctrl-D")
     return Source("<stdin>", sys.stdin.read(), Path())
-
-
-def _terminate(number: int, frame: Any) -> NoReturn:
-    raise SystemExit(0)
 
 
 def _say(text: str) -> None:
