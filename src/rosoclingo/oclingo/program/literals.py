@@ -30,12 +30,9 @@ def binds(literal: Node, parameter: str, fixed: Set[Signature]) -> bool:
     All arguments have to be variables or symbols other than the step.
     """
     term = literal.atom.symbol
-    alone = term.ast_type == ASTType.Function and all(_is_simple(one) for one in term.arguments)
+    simple = (ASTType.Variable, ASTType.SymbolicTerm)
+    alone = term.ast_type == ASTType.Function and all(one.ast_type in simple for one in term.arguments)
     return alone and term_signature(term) in fixed and not mentions(term, parameter)
-
-
-def _is_simple(term: Node) -> bool:
-    return term.ast_type in (ASTType.Variable, ASTType.SymbolicTerm)
 
 
 def names_in(term: Node) -> List[str]:

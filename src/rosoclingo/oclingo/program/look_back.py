@@ -33,22 +33,24 @@ def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clin
 
     The bounds hold for values of T that are numbers; t is the step ``parameter``.
     """
-    return _greatest(_differences(statement, parameter, constants), parameter)
+    return _greatest(statement, parameter, constants, 1)
 
 
 def shortest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:
     """Return the minimum of t - T for each variable T that comparisons in the body bound."""
-    differences = _differences(statement, parameter, constants)
-    mirrored = ((_mirrored(difference), strict) for difference, strict in differences)
-    return {name: -bound for name, bound in _greatest(mirrored, parameter).items()}
+    return {name: -bound for name, bound in _greatest(statement, parameter, constants, -1).items()}
 
 
-def _greatest(differences: Iterable[Tuple[Sum, bool]], parameter: str) -> Dict[str, int]:
-    """Return the maximum of t - T for each variable T that the differences bound."""
+def _greatest(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol], sign: int) -> Dict[str, int]:
+    """Return the maximum of sign * (t - T) for each variable T that comparisons in the body bound."""
     bounds: Dict[str, int] = {}
-    for difference, strict in differences:
-        for name, bound in _bound(difference, parameter, strict):
-            bounds[name] = min(bound, bounds.get(name, bound))
+    for difference, strict in _differences(statement, parameter, constants):
+        names = set(difference) - {"", parameter}
+        factor = sign * difference.get(parameter, 0)
+        # a bound is factor * sign * (t - T) + c <= 0
+        if factor > 0 and {sign * difference[name] for name in names} == {-factor} and len(names) == 1:
+            bound = (-difference.get("", 0) - strict) // factor
+            bounds[min(names)] = min(bound, bounds.get(min(names), bound))
     return bounds
 
 
@@ -61,11 +63,6 @@ def _differences(statement: Node, parameter: str, constants: Dict[str, clingo.Sy
         difference = _plus(sums[0], sums[1], -1)
         for sign, strict in _SIGNS.get(operator, ()):
             yield _plus({}, difference, sign), strict
-
-
-def _mirrored(difference: Sum) -> Sum:
-    """Return the sum with -t and -T in place of t and T, so that a bound on T - t becomes one on t - T."""
-    return {name: -number if name else number for name, number in difference.items()}
 
 
 # for each comparison: signs with which the difference of its sides is at most 0, or below 0 if strict
@@ -87,16 +84,6 @@ def _comparisons(statement: Node) -> Iterator[Tuple[Node, int, Node]]:
             for guard in literal.atom.guards:
                 yield left, guard.comparison, guard.term
                 left = guard.term
-
-
-def _bound(difference: Sum, parameter: str, strict: bool) -> Iterator[Tuple[str, int]]:
-    """Yield the variable T and the maximum of t - T if ``difference`` is f*(t - T) + c with a positive f."""
-    names = set(difference) - {"", parameter}
-    factor = difference.get(parameter, 0)
-    if factor > 0 and len(names) == 1:
-        name = names.pop()
-        if difference[name] == -factor:
-            yield name, (-difference.get("", 0) - strict) // factor
 
 
 def linear_form(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[Sum]:

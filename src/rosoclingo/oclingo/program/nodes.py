@@ -4,8 +4,9 @@ An attribute of clingo's own nodes costs several calls into clingo's library on 
 a program many times, so a :class:`Node` fetches each attribute once, on first access.
 """
 
+from functools import cached_property
 from inspect import signature
-from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, FrozenSet, List, Mapping, Optional, Tuple
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
 
@@ -21,9 +22,6 @@ class Node:
     Attributes:
         ast: clingo's own node, which must not be modified.
         ast_type: the kind of the node.
-        children: the direct child nodes, in order.
-        nodes: the node and all its descendants, in order.
-        text: the node in clingo's syntax.
 
     """
 
@@ -40,20 +38,19 @@ class Node:
 
     def __getattr__(self, name: str) -> Any:
         """Fetch and cache an attribute on first access."""
-        if name == "children":
-            value: Any = self._children()
-        elif name == "nodes":
-            value = list(self._all())
-        elif name == "text":
-            value = str(self.ast)
-        elif name[:1] != "_" and name in self._keys[0]:
-            value = _from_ast(getattr(self.ast, name))
-        else:
+        if name[:1] == "_" or name not in self._keys[0]:
             raise AttributeError(f"no attribute: {name}")
-        self.__dict__[name] = value
+        value = self.__dict__[name] = _from_ast(getattr(self.ast, name))
         return value
 
-    def _children(self) -> List["Node"]:
+    @cached_property
+    def text(self) -> str:
+        """The node in clingo's syntax."""
+        return str(self.ast)
+
+    @cached_property
+    def children(self) -> List["Node"]:
+        """The direct child nodes, in order."""
         found: List[Node] = []
         for key in self._keys[1]:
             child = getattr(self, key)
@@ -63,16 +60,19 @@ class Node:
                 found += child
         return found
 
-    def _all(self) -> Iterator["Node"]:
+    @cached_property
+    def nodes(self) -> List["Node"]:
+        """The node and all its descendants, in order."""
+        found: List[Node] = []
         waiting = [self]
         while waiting:
-            one = waiting.pop()
-            yield one
-            waiting += reversed(one.children)
+            found.append(waiting.pop())
+            waiting += reversed(found[-1].children)
+        return found
 
     def __str__(self) -> str:
         """Return the node in clingo's syntax."""
-        return str(self.text)
+        return self.text
 
     def __eq__(self, other: object) -> bool:
         """Compare like clingo, which ignores locations."""
