@@ -36,9 +36,7 @@ def _translate(file: str, silent: bool) -> int:
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE
-    collector = Collector()
-    collector.add(source)
-    collector.translate()
+    collector = Collector([source])
     texts = {one.source.name: one.source.text for one in collector.files}
     for fault in collector.faults:
         sys.stderr.write(_with_source_line(fault, texts.get(fault.file, "").splitlines()))

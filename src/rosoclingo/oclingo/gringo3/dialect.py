@@ -7,7 +7,7 @@ clingo's parser shows which statements clingo does not accept. The remaining dec
 import enum
 import re
 from functools import cached_property
-from typing import Optional, Sequence, Set
+from typing import List, Optional, Sequence, Set
 
 from clingo.ast import parse_string
 
@@ -73,7 +73,11 @@ class SourceFile:
     @cached_property
     def not_clingo5(self) -> Set[int]:
         """The numbers of the statements that clingo 5 does not accept."""
-        texts = [self._text_for_clingo(self.statement(number)) for number in range(len(self.ranges))]
+        texts: List[str] = []
+        for number in range(len(self.ranges)):
+            statement = self.statement(number)
+            is_known = statement[0].text not in (*STEP_DIRECTIVES, "#include") and not is_signature(statement)
+            texts.append(self.text[statement[0].start : statement[-1].end] if is_known else "")
         if accepted_by_clingo("\n".join(texts)):
             return set()
         return {number for number, text in enumerate(texts) if not accepted_by_clingo(text)}
@@ -96,13 +100,6 @@ class SourceFile:
             ):
                 return False
         return True
-
-    def _text_for_clingo(self, statement: Sequence[SourceToken]) -> str:
-        """Return the text of a statement, "" for oClingo's directives and ``#include``."""
-        words = [one.text for one in statement]
-        if words[0] in (*STEP_DIRECTIVES, "#include") or is_signature(statement):
-            return ""
-        return self.text[statement[0].start : statement[-1].end]
 
 
 def is_signature(statement: Sequence[SourceToken]) -> bool:

@@ -52,10 +52,7 @@ def read_sources(
     The texts can be in any supported language. ``whole`` means that ``sources`` contain all included files. Raises
     ProgramError with the faults of all files.
     """
-    collector = Collector(sources if whole else ())
-    for source in sources:
-        collector.add(source)
-    collector.translate()
+    collector = Collector(sources, whole)
     faults = list(collector.faults)
     try:
         results = translate_program([(one.source.name, one.text) for one in collector.files])
@@ -92,18 +89,21 @@ class LoadedFile:
 
 
 class Collector:
-    """Collects files and their includes, each file once, and translates them together.
+    """The files of a program and their includes, each file once, translated together.
 
-    Included files are read from disk. If all texts of a program are given, they are looked up by name among these.
+    Included files are read from disk. If the sources are the whole program, they are looked up by name among these.
     """
 
-    def __init__(self, given: Sequence[Source] = ()) -> None:
-        self._given = {os.path.normpath(one.name): one for one in given}
+    def __init__(self, sources: Sequence[Source], whole: bool = False) -> None:
+        self._given = {os.path.normpath(one.name): one for one in sources} if whole else {}
         self._unreadable: Set[Path] = set()
         self.files: List[LoadedFile] = []
         self.faults: List[Fault] = []
+        for source in sources:
+            self._add(source)
+        self._translate()
 
-    def add(self, source: Source) -> LoadedFile:
+    def _add(self, source: Source) -> LoadedFile:
         """Add a source and its includes, unless it was added before; return its file."""
         path = Path(source.name).resolve()
         known = (one for one in self.files if Path(one.source.name).resolve() == path)
@@ -116,7 +116,7 @@ class Collector:
         own = (Include(name, line, 1) for name, line in included_files(source.text))
         for one in file.document.includes if file.document else own:
             included = self._find(source, one)
-            file.includes.append(None if included is None else self.add(included))
+            file.includes.append(None if included is None else self._add(included))
         return file
 
     def _find(self, source: Source, wanted: Include) -> Optional[Source]:
@@ -139,7 +139,7 @@ class Collector:
                 self._unreadable.add(path.resolve())
         return None
 
-    def translate(self) -> None:
+    def _translate(self) -> None:
         """Translate the files in further languages."""
         files = [one for one in self.files if one.document is not None]
         language = language_of(files[0].source.name) if files else None

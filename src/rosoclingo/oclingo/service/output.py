@@ -62,13 +62,9 @@ class TextOutput:
             self._write(f"Interrupted at horizon {result.horizon}; the update stays in force\n")
         self._write("\n")
 
-    def print_refusal(self, update: StreamUpdate, text: str) -> None:
-        """Print the error of a refused update."""
-        self._write(f"Error: {text}\n\n")
-
-    def print_fault(self, place: str, text: str) -> None:
-        """Print the error in the text of an update; ``place`` is file, line and column."""
-        self._write(f"{place}: {text}\n\n")
+    def print_error(self, text: str, **where: str) -> None:
+        """Print an error; ``where`` is the ``update`` that was refused, or the ``place`` in the text of one."""
+        self._write(f"{where.get('place', 'Error')}: {text}\n\n")
 
     def _write(self, text: str) -> None:
         self._stream.write(text)
@@ -103,13 +99,9 @@ class JsonOutput:
             statistics=result.statistics,
         )
 
-    def print_refusal(self, update: StreamUpdate, text: str) -> None:
-        """Print a refused update with its error."""
-        self._write(update=str(update), error=text)
-
-    def print_fault(self, place: str, text: str) -> None:
-        """Print the error in the text of an update."""
-        self._write(place=place, error=text)
+    def print_error(self, text: str, **where: str) -> None:
+        """Print an error; ``where`` is the ``update`` that was refused, or the ``place`` in the text of one."""
+        self._write(**where, error=text)
 
     def _write(self, **members: Any) -> None:
         self._stream.write(json.dumps(members) + "\n")

@@ -119,7 +119,7 @@ class Session:
         for request in requests:
             if isinstance(request, ProgressionError):
                 self.failed = True
-                self._output.print_fault(f"{name}:{request.line}:{request.column}", request.message)
+                self._output.print_error(request.message, place=f"{name}:{request.line}:{request.column}")
             elif request.stops:
                 return False
             else:
@@ -135,7 +135,7 @@ class Session:
             self._output.print_result(update, result)
         except SolverError as error:
             self.failed = True
-            self._output.print_refusal(update, str(error))
+            self._output.print_error(str(error), update=str(update))
 
     def _with_bound(self, update: StreamUpdate) -> StreamUpdate:
         """Return ``update`` with the default bound, unless it has one or inherits that of the previous update."""
