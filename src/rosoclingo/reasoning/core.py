@@ -17,9 +17,9 @@ from rosoclingo.reasoning.events import (
     ModeChanged,
     Observer,
 )
-from rosoclingo.reasoning.explanations import Explanations, refusals, streams_of
+from rosoclingo.reasoning.explanations import explanations_in, refusals, streams_of
 from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.goal_status import GoalStatuses, Reading
+from rosoclingo.reasoning.goal_status import Reading
 from rosoclingo.reasoning.goals import Goal, Outcome
 from rosoclingo.reasoning.hypotheses import Impasse, Way
 from rosoclingo.reasoning.input_feeder import Batch, Clock, InputFeeder
@@ -427,7 +427,7 @@ class Core(PersistentPart):
             self._problem(problem)
         if settled.recovery is None:
             for one in settled.unmet:
-                self._goals.abort(one.goal, one.text(Explanations(), ""))
+                self._goals.abort(one.goal, one.text({}, ""))
             return self._judged(state, result)
         self._plan = extract_plan(result.answers[0]) if result.answers else None
         self._announce.plan(result, self.shown)
@@ -455,11 +455,10 @@ class Core(PersistentPart):
             self._emit(ActionsDispatched(self._step, actions))
         shown = self.shown
         self._announce.plan(result, shown)
-        statuses = GoalStatuses(result.answers[0], self._step)
-        reading = Reading(statuses, plan, since, self._step, result.horizon, self._has_status_rules)
         self._improvable = not result.shortest
         self._goals.plan_found(result.statistics["needed"] if new_goals else None)
-        self._goals.read(reading)
+        answer, has_rules = result.answers[0], self._has_status_rules
+        self._goals.read(Reading(answer, plan, since, self._step, result.horizon, has_rules))
         self._report_progress()
 
     def _follow(self, result: SolveResult) -> TaskPlan:
@@ -494,8 +493,8 @@ class Core(PersistentPart):
         self._planner = found.planner
         self._step += 1
         self._execution.begin_cycle(self._step)
-        explanations = Explanations(found.result.answers[0])
-        for fault in explanations.faults:
+        explanations, faults = explanations_in(found.result.answers[0])
+        for fault in faults:
             self._problem(fault)
         for one in found.unmet:
             one.goal.end(Outcome.ABORTED, one.text(explanations, state.why))

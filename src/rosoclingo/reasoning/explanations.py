@@ -1,6 +1,18 @@
 """Explanations of the program: ``_explain/3`` for unmet goals, and ``_refuse/3`` for refused facts."""
 
-from typing import Callable, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from typing import (
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Sequence,
+    Tuple,
+    TypeVar,
+)
 
 from clingo import Symbol, SymbolType
 
@@ -18,26 +30,17 @@ def text_of(term: Symbol) -> str:
     return name_of(term)
 
 
-class Explanations:
-    """The explanations in an answer; ``faults`` are messages about malformed ones."""
-
-    def __init__(self, answer: FrozenSet[Symbol] = frozenset()) -> None:
-        self.faults: List[str] = []
-        self._texts: Dict[Symbol, Tuple[int, str]] = {}
-        for atom in sorted(atoms_of(answer, EXPLAIN)):
-            self._enter(atom)
-
-    def of(self, what: Symbol) -> Optional[str]:
-        """Return the latest explanation of a goal, given by its identifier, or of an observation; None for none."""
-        return self._texts[what][1] if what in self._texts else None
-
-    def _enter(self, atom: Symbol) -> None:
-        if len(atom.arguments) != 3 or atom.arguments[2].type is not SymbolType.Number:
-            self.faults.append(f"'{atom}' is not an explanation: write _explain(What,Text,C)")
-            return
-        what, text, cycle = atom.arguments
-        if what not in self._texts or self._texts[what][0] <= cycle.number:
-            self._texts[what] = cycle.number, text_of(text)
+def explanations_in(answer: FrozenSet[Symbol]) -> Tuple[Dict[Symbol, str], List[str]]:
+    """Return the latest explanations of goals (by identifier) and observations, and messages about malformed ones."""
+    found: List[Symbol] = []
+    faults: List[str] = []
+    for atom in sorted(atoms_of(answer, EXPLAIN)):
+        if len(atom.arguments) == 3 and atom.arguments[2].type is SymbolType.Number:
+            found.append(atom)
+        else:
+            faults.append(f"'{atom}' is not an explanation: write _explain(What,Text,C)")
+    latest = (one.arguments for one in sorted(found, key=lambda one: one.arguments[2]))
+    return {what: text_of(text) for what, text, _ in latest}, faults
 
 
 T = TypeVar("T")
@@ -56,11 +59,11 @@ class UnmetGoal(NamedTuple):
     sure: bool = True
     note: str = ""
 
-    def text(self, explanations: Explanations, why: str) -> str:
-        """Return the reason as text, with the explanations of the program; ``why`` is used if there is no other."""
+    def text(self, explanations: Mapping[Symbol, str], why: str) -> str:
+        """Return the reason as text, with the program's explanations; ``why`` is used if there is no other."""
         others = _joined(self.together, str)
-        seen = _joined(self.observations, lambda one: explanations.of(one.atom) or str(one))
-        reason = explanations.of(self.goal.identifier) or ("" if seen or others else why)
+        seen = _joined(self.observations, lambda one: explanations.get(one.atom) or str(one))
+        reason = explanations.get(self.goal.identifier) or ("" if seen or others else why)
         perhaps = "" if self.sure else "perhaps "
         parts = [
             f"{self.goal} cannot be met",

@@ -125,7 +125,7 @@ class GoalManager(PersistentPart):
 
     def read(self, reading: Reading) -> None:
         """Update the states of the program's goals from an answer; report its faults."""
-        for fault in (*reading.plan.faults, *reading.statuses.faults):
+        for fault in reading.faults:
             self._emit(Problem(self._cycle(), fault))
         for goal in self.fed:
             update_status(goal, reading)

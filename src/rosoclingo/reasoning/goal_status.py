@@ -39,19 +39,6 @@ class Status(NamedTuple):
         return WORDS[self.word]
 
 
-class GoalStatuses:
-    """The statuses of an answer; ``faults`` are messages about malformed statuses from the cycle ``since`` on."""
-
-    def __init__(self, answer: FrozenSet[Symbol], since: int = 0) -> None:
-        self._table, faults = _read(answer)
-        self.faults = [text for cycle, text in faults if cycle is None or cycle >= since]
-
-    def read(self, identifier: Symbol, cycle: int) -> Optional[Status]:
-        """Return the worst status of a goal in a cycle, preferably with a reason; None if there is none."""
-        found = map(_status_of, self._table.get((identifier, cycle), []))
-        return min(found, key=lambda one: (list(WORDS).index(one.word), not one.reason, one.reason), default=None)
-
-
 @lru_cache(maxsize=2)  # the answer stays the same while all actions succeed
 def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], str]]]:
     """Return the words by goal and cycle, and sorted messages about malformed statuses, each with its cycle if any."""
@@ -69,10 +56,6 @@ def _read(answer: FrozenSet[Symbol]) -> Tuple[_Table, List[Tuple[Optional[int], 
     return table, sorted(faults, key=lambda fault: fault[1])
 
 
-def _status_of(word: Symbol) -> Status:
-    return Status(word.name, ", ".join(text_of(argument) for argument in word.arguments))
-
-
 _TEXTS = {
     Outcome.SUCCEEDED: "{} is met",
     Outcome.CANCELED: "{} is cancelled",
@@ -85,7 +68,7 @@ class Reading(NamedTuple):
     """An answer whose statuses are read in ``cycle``.
 
     Attributes:
-        statuses: the statuses of the answer.
+        answer: the answer.
         plan: its task plan.
         since: the first cycle whose statuses have not been read yet.
         cycle: the current cycle.
@@ -94,12 +77,24 @@ class Reading(NamedTuple):
 
     """
 
-    statuses: GoalStatuses
+    answer: FrozenSet[Symbol]
     plan: TaskPlan
     since: int
     cycle: int
     horizon: int
     has_rules: bool
+
+    @property
+    def faults(self) -> List[str]:
+        """Messages about malformed actions, and about malformed statuses from the current cycle on."""
+        statuses = (text for cycle, text in _read(self.answer)[1] if cycle is None or cycle >= self.cycle)
+        return [*self.plan.faults, *statuses]
+
+    def status(self, identifier: Symbol, cycle: int) -> Optional[Status]:
+        """Return the worst status of a goal in a cycle, preferably with a reason; None if there is none."""
+        words = _read(self.answer)[0].get((identifier, cycle), [])
+        found = (Status(word.name, ", ".join(map(text_of, word.arguments))) for word in words)
+        return min(found, key=lambda one: (list(WORDS).index(one.word), not one.reason, one.reason), default=None)
 
 
 def update_status(goal: Goal, reading: Reading) -> None:
@@ -114,14 +109,14 @@ def update_status(goal: Goal, reading: Reading) -> None:
     Before the cycle of the request, only acceptance and rejection are read, from the status in that cycle. All other
     statuses in it are predictions.
     """
-    statuses, cycle = reading.statuses, reading.cycle
+    cycle = reading.cycle
     first = goal.request_cycle or cycle
-    status = _missed_end(goal, reading, first) or statuses.read(goal.identifier, cycle)
+    status = _missed_end(goal, reading, first) or reading.status(goal.identifier, cycle)
     if status is not None:
         goal.known = True
         _obey(goal, status)
     elif first > cycle:
-        _update_early(goal, statuses.read(goal.identifier, first), reading.horizon >= first and not reading.has_rules)
+        _update_early(goal, reading.status(goal.identifier, first), reading.horizon >= first and not reading.has_rules)
     elif reading.has_rules and not goal.known:
         _end(goal, Outcome.REJECTED, "it has rules for _status, but none gives this goal a status")
     else:
@@ -133,7 +128,7 @@ def update_status(goal: Goal, reading: Reading) -> None:
 def _missed_end(goal: Goal, reading: Reading, first: int) -> Optional[Status]:
     """Return the end that the program reported in an unread cycle; before ``first``, only a rejection counts."""
     for cycle in range(max(reading.since, first - 1), reading.cycle):
-        status = reading.statuses.read(goal.identifier, cycle)
+        status = reading.status(goal.identifier, cycle)
         outcome = None if status is None else status.outcome
         if outcome is Outcome.REJECTED or (outcome is not None and cycle >= first):
             return status

@@ -2,7 +2,7 @@
 
 from difflib import SequenceMatcher, get_close_matches
 from itertools import islice
-from typing import FrozenSet, Iterable, Iterator, NamedTuple, Optional, Tuple
+from typing import FrozenSet, Iterable, Iterator, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import ASTType
@@ -13,12 +13,8 @@ _ALIKE = 0.6  # minimum similarity, from 0 to 1, of names that can be confused
 _LONGEST, _COMPARED = 100, 1000  # maximum number of compared letters of a text, and of compared values
 _SHOWN = 6  # maximum number of values or forms in a message
 
-
-class Misfit(NamedTuple):
-    """A value of an atom that a rule excludes, and the values that the rule allows in its place."""
-
-    value: clingo.Symbol
-    known: FrozenSet[clingo.Symbol]
+Misfit = Tuple[clingo.Symbol, FrozenSet[clingo.Symbol]]
+"""A value of an atom that a rule excludes, and the values that the rule allows in its place."""
 
 
 def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Symbol]]:
@@ -30,21 +26,16 @@ def bindings(term: Node, symbol: clingo.Symbol) -> Iterator[Tuple[str, clingo.Sy
             yield from bindings(one, value)
 
 
-def replace_misfits(term: clingo.Symbol, misfits: Iterable[Misfit]) -> Optional[clingo.Symbol]:
+def correct(term: clingo.Symbol, misfits: Sequence[Misfit]) -> Optional[clingo.Symbol]:
     """Return a term with each misfit replaced by the most similar known value; None if no value is similar."""
-    meant = {one.value: most_similar(one.value, one.known) for one in misfits}
-    if term in meant:
-        return meant[term]
+    for value, known in misfits:
+        if term == value:
+            words = {_word(one): one for one in islice(sorted(known), _COMPARED)}
+            return next((words[one] for one in get_close_matches(_word(value), words, 1)), None)
     if term.type is not clingo.SymbolType.Function:
         return term
-    arguments = [replace_misfits(one, misfits) for one in term.arguments]
+    arguments = [correct(one, misfits) for one in term.arguments]
     return None if None in arguments else clingo.Function(term.name, arguments, term.positive)  # type: ignore[arg-type]
-
-
-def most_similar(value: clingo.Symbol, known: Iterable[clingo.Symbol]) -> Optional[clingo.Symbol]:
-    """Return the ``known`` value that is most similar to ``value``; None if none is similar."""
-    words = {_word(one): one for one in islice(sorted(known), _COMPARED)}
-    return next((words[one] for one in get_close_matches(_word(value), words, 1)), None)
 
 
 def _word(value: clingo.Symbol) -> str:
@@ -69,11 +60,6 @@ def likeness(one: str, other: str) -> float:
     """Return the similarity of two texts, from 0 to 1; anagrams are equal, and case is ignored."""
     one, other = one.casefold()[:_LONGEST], other.casefold()[:_LONGEST]
     return 1.0 if sorted(one) == sorted(other) else SequenceMatcher(None, one, other).ratio()
-
-
-def name_of(text: str) -> str:
-    """Return the function name of a term's text."""
-    return text.partition("(")[0]
 
 
 def join_texts(texts: Iterable[str], in_order: bool = False) -> str:

@@ -93,22 +93,16 @@ def codec(hint: Any) -> Codec:
     parts = fields(**get_type_hints(hint))
     frozen = issubclass(hint, tuple) or hint.__dataclass_params__.frozen
     mutable = not frozen or any(one.mutable for one in parts.values())
-    return Codec(lambda one: encode_fields(one, parts), lambda row: hint(**decode_fields(row, parts)), mutable)
+    return Codec(
+        lambda one: {name: part.encode(getattr(one, name)) for name, part in parts.items()},
+        lambda row: hint(**{name: part.decode(row[name]) for name, part in parts.items()}),
+        mutable,
+    )
 
 
 def fields(**hints: Any) -> Mapping[str, Codec]:
     """Return the codecs of attributes by their names, for these types."""
     return {name: codec(hint) for name, hint in hints.items()}
-
-
-def encode_fields(one: object, parts: Mapping[str, Codec]) -> Record:
-    """Return the attributes of an object as JSON values."""
-    return {name: part.encode(getattr(one, name)) for name, part in parts.items()}
-
-
-def decode_fields(record: Record, parts: Mapping[str, Codec]) -> Dict[str, Any]:
-    """Return the attributes of :func:`encode_fields`."""
-    return {name: part.decode(record[name]) for name, part in parts.items()}
 
 
 def group(record: Record, name: str) -> Record:

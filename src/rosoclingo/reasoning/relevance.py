@@ -21,15 +21,7 @@ from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.reasoning.likely_terms import (
-    Misfit,
-    bindings,
-    fit_to_form,
-    join_texts,
-    likeness,
-    name_of,
-    replace_misfits,
-)
+from rosoclingo.reasoning.likely_terms import Misfit, bindings, correct, fit_to_form, join_texts, likeness
 
 _STATED, _RELEVANT = "__oclingo_stated", "__oclingo_relevant"
 _IRRELEVANT = (ASTType.ShowTerm, ASTType.ShowSignature, ASTType.Heuristic, ASTType.ProjectAtom, ASTType.Defined)
@@ -84,38 +76,26 @@ class RelevanceAnalysis:
         """Return advice about an irrelevant ``atom``: a correction, else the reason, else the known forms."""
         term = atom.arguments[0]
         forms = self._forms(signature_of(atom), term)
-        alike = [one for one in (fit_to_form(form, term) for form in forms) if one is not None]
-        alike.sort(key=lambda one: likeness(str(one), str(term)), reverse=True)
-        failed, misfits = self._excluding_rules(atom) or [], self._all_misfits(atom)
-        for form in dict.fromkeys((term, *alike)):
-            meant = self._corrected(clingo.Function(atom.name, [form, *atom.arguments[1:]], atom.positive))
-            if meant is not None:
+        alike = filter(None, (fit_to_form(form, term) for form in forms))
+        for form in dict.fromkeys((term, *sorted(alike, key=lambda one: likeness(str(one), str(term)), reverse=True))):
+            meant = correct(form, self._misfits(_with_first(atom, form)))
+            if meant is not None and self.is_relevant(_with_first(atom, meant)):
                 return f"did you mean {meant}?"
+        misfits, excluding = self._misfits(atom), self._excluding_rules(atom)
         if misfits:
-            return "; ".join(
-                dict.fromkeys(f"{one.value} is none of {join_texts(map(str, one.known))}" for one in misfits)
-            )
-        if failed:
-            places = (place.statement.location.begin for place, _ in failed)
+            return "; ".join(dict.fromkeys(f"{one} is none of {join_texts(map(str, known))}" for one, known in misfits))
+        if excluding:
+            places = (place.statement.location.begin for place, _ in excluding)
             return f"the conditions of {join_texts(f'{one.filename}:{one.line}' for one in places)} exclude it"
         return f"rules match {join_texts(map(str, forms), in_order=True)}" if forms else "write a rule for it"
-
-    def _corrected(self, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
-        """Return the first argument of an atom, corrected to similar known values; None if that is irrelevant too."""
-        meant = replace_misfits(atom.arguments[0], self._all_misfits(atom))
-        is_valid = meant is not None and self.is_relevant(clingo.Function(atom.name, [meant, *atom.arguments[1:]]))
-        return meant if is_valid else None
-
-    def _all_misfits(self, atom: clingo.Symbol) -> List[Misfit]:
-        """Return the values of an atom that its rules exclude; none if the atom is relevant."""
-        return [one for place, seen in self._excluding_rules(atom) or () for one in self._misfits(place, seen)]
 
     def _forms(self, signature: Signature, term: clingo.Symbol) -> List[Node]:
         """Return the first arguments that rules accept, ordered by the similarity of their names to ``term``."""
         occurrences = self._occurrences_of(signature)
         forms = list(dict.fromkeys(one.term.arguments[0] for one in occurrences if one.counts))
+        name = str(term).partition("(")[0]
         named = [one for one in forms if one.ast_type != ASTType.Variable and getattr(one, "name", "") != "cancel"]
-        return sorted(named, key=lambda one: likeness(name_of(str(one)), name_of(str(term))), reverse=True)
+        return sorted(named, key=lambda one: likeness(str(one).partition("(")[0], name), reverse=True)
 
     # -- rules that see an atom
 
@@ -227,7 +207,8 @@ class RelevanceAnalysis:
         atoms = [one for one in timeless if _is_atom(one) and self._restricts(one.atom.symbol)]
         kept = [one for one in atoms if one.sign == Sign.NoSign]
         bound.update(name for one in kept for name in names_in(one))
-        compared = [one for one in timeless if _is_comparison(one)]
+        literals = [one for one in timeless if one.ast_type == ASTType.Literal]
+        compared = [one for one in literals if one.atom.ast_type == ASTType.Comparison]
         for _ in compared:  # a comparison can bind a variable that another one needs
             for one in compared:
                 bound.update(_binds(one, bound))
@@ -280,17 +261,18 @@ class RelevanceAnalysis:
             return None
         return control
 
-    def _misfits(self, place: _Occurrence, atom: clingo.Symbol) -> Iterator[Misfit]:
-        """Yield the values of an atom that a rule excludes."""
-        for name, value in bindings(place.term, atom):
-            for literal in place.kept:
-                if not _is_atom(literal) or literal.sign != Sign.NoSign:
-                    continue
+    def _misfits(self, atom: clingo.Symbol) -> List[Misfit]:
+        """Return the values of an atom that its rules exclude; none if the atom is relevant."""
+        found: List[Misfit] = []
+        for place, seen in self._excluding_rules(atom) or ():
+            values = dict(bindings(place.term, seen))
+            for literal in (one for one in place.kept if _is_atom(one) and one.sign == Sign.NoSign):
                 for position, one in enumerate(arguments_of(literal.atom.symbol)):
-                    table = self._table(term_signature(literal.atom.symbol)) or ()
-                    known = frozenset(known.arguments[position] for known, _ in table)
-                    if one.ast_type == ASTType.Variable and one.name == name and value not in known:
-                        yield Misfit(value, known)
+                    if one.ast_type == ASTType.Variable and one.name in values:
+                        table = self._table(term_signature(literal.atom.symbol)) or ()
+                        known = frozenset(row.arguments[position] for row, _ in table)
+                        found += [(values[one.name], known)] if values[one.name] not in known else []
+        return found
 
 
 # -- literals
@@ -317,10 +299,6 @@ def _is_atom(literal: Node) -> bool:
     return bool(literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom)
 
 
-def _is_comparison(literal: Node) -> bool:
-    return bool(literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.Comparison)
-
-
 def _binds(comparison: Node, bound: Set[str]) -> Iterator[str]:
     """Yield the variables that an equation binds."""
     atom = comparison.atom
@@ -330,6 +308,10 @@ def _binds(comparison: Node, bound: Set[str]) -> Iterator[str]:
     for one, other in ((atom.term, guards[0].term), (guards[0].term, atom.term)):
         if one.ast_type == ASTType.Variable and set(names_in(other)) <= bound:
             yield one.name
+
+
+def _with_first(atom: clingo.Symbol, argument: clingo.Symbol) -> clingo.Symbol:
+    return clingo.Function(atom.name, [argument, *atom.arguments[1:]], atom.positive)
 
 
 def _names_a_constant(term: Node) -> bool:

@@ -190,9 +190,10 @@ class Planner:
         reused if only the disabled facts and the steps change.
         """
         whole = self._whole(update, steps)
-        verdict, halt = self._watched(lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped))
-        self._note(halt if verdict.satisfiable is None else None)
-        return verdict
+        return self._watched(
+            lambda stopped: self._solver.inquire(whole, assumable, disabled, stopped),
+            lambda reply: reply.satisfiable is None,
+        )
 
     def can_begin_with(self, action: Symbol, steps: int) -> bool:
         """Return whether a plan of ``steps`` steps after this one can contain ``action``; True if undecided."""
@@ -293,13 +294,15 @@ class Planner:
         return _whole(self.log, update, lookahead, self.running())
 
     def _search(self, update: StreamUpdate) -> SolveResult:
-        result, halt = self._watched(lambda stopped: self._solver.update(update, stopped))
-        self._note(halt if result.outcome is SolveOutcome.INTERRUPTED else None)
-        return result
+        return self._watched(
+            lambda stopped: self._solver.update(update, stopped),
+            lambda result: result.outcome is SolveOutcome.INTERRUPTED,
+        )
 
-    def _watched(self, ask: Callable[[Callable[[], bool]], T]) -> Tuple[T, Optional[Halt]]:
-        """Run a search; return its result, and why it was stopped, None if it was not."""
+    def _watched(self, ask: Callable[[Callable[[], bool]], T], is_undecided: Callable[[T], bool]) -> T:
+        """Return the result of a search; record why it was stopped, or raise DisturbedError after an arrival."""
         look, halt = self._watch(), None  # type: Callable[[], Optional[Halt]], Optional[Halt]
+        dropped: Optional[DroppedError] = None
 
         def stopped() -> bool:
             """Return whether the search must end; keeps the first reason."""
@@ -307,19 +310,20 @@ class Planner:
             halt = halt or look()
             return halt is not None
 
+        self.ended_by = ""
         try:
-            return ask(stopped), halt
-        except DroppedError:
-            self.ended_by = halt.why if halt else ""
-            if halt and halt.disturbed:
-                raise DisturbedError(halt.why, accepted=False) from None
-            raise
-
-    def _note(self, halt: Optional[Halt]) -> None:
-        """Record why the search was stopped, if it was; raises DisturbedError after an arrival."""
+            result = ask(stopped)
+        except DroppedError as error:
+            dropped = error
+        else:
+            if not is_undecided(result):
+                return result
         self.ended_by = halt.why if halt else ""
         if halt and halt.disturbed:
-            raise DisturbedError(halt.why, accepted=True)
+            raise DisturbedError(halt.why, accepted=dropped is None)
+        if dropped is not None:
+            raise dropped
+        return result
 
 
 def _whole(log: History, update: StreamUpdate, lookahead: int, running: RunningActions) -> StreamUpdate:

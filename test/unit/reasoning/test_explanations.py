@@ -1,7 +1,7 @@
 import pytest
 from clingo import parse_term
 
-from rosoclingo.reasoning.explanations import Explanations, text_of
+from rosoclingo.reasoning.explanations import explanations_in, text_of
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.observations import Observation
 
@@ -30,12 +30,12 @@ def test_explanation_that_came_last_counts():
         "_explain(3,late,7)",
         "_other(1,2)",
     ]
-    explanations = Explanations(frozenset(parse_term(atom) for atom in atoms))
-    assert explanations.of(parse_term("1")) == "new"
-    assert explanations.of(parse_term("_return(go,blocked,3)")) == "shut"
-    assert explanations.of(parse_term("3")) == "late"
-    assert explanations.of(parse_term("2")) is None
-    assert explanations.faults == []
+    explanations, faults = explanations_in(frozenset(parse_term(atom) for atom in atoms))
+    assert explanations[parse_term("1")] == "new"
+    assert explanations[parse_term("_return(go,blocked,3)")] == "shut"
+    assert explanations[parse_term("3")] == "late"
+    assert parse_term("2") not in explanations
+    assert faults == []
 
 
 def test_explanation_of_failure_with_two_candidate_actions():

@@ -8,7 +8,7 @@ import pytest
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
-from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, update_status
+from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import TERMINAL, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.settings import CoreSettings
@@ -50,9 +50,9 @@ def happen(event, manager):
     """Apply an event to all live goals."""
     word = event.partition("the program: ")[2]
     if word:
-        statuses = GoalStatuses(frozenset([clingo.parse_term(f"_status(1,{word},5)")]))
+        answer = frozenset([clingo.parse_term(f"_status(1,{word},5)")])
         for goal in manager.fed:
-            update_status(goal, Reading(statuses, TaskPlan(), 5, 5, 9, has_rules=False))
+            update_status(goal, Reading(answer, TaskPlan(), 5, 5, 9, has_rules=False))
     elif event == "the client cancels":
         manager.cancel("key")
     else:

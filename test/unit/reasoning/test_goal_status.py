@@ -5,8 +5,8 @@ import pytest
 from core_driver import Driver
 
 from rosoclingo.oclingo import parse_term
-from rosoclingo.reasoning.action_extractor import extract_plan
-from rosoclingo.reasoning.goal_status import GoalStatuses, Reading, Status, update_status
+from rosoclingo.reasoning.action_extractor import TaskPlan, extract_plan
+from rosoclingo.reasoning.goal_status import Reading, Status, update_status
 from rosoclingo.reasoning.goals import Goal, GoalEvent
 
 
@@ -21,8 +21,12 @@ def judged(*atoms, cycle=5, request_cycle=4, horizon=9, since=5, cancelling=Fals
     if cancelling:
         goal.apply(GoalEvent.CANCEL_REQUEST)
     shown = answer(*atoms)
-    update_status(goal, Reading(GoalStatuses(shown), extract_plan(shown), since, cycle, horizon, has_rules))
+    update_status(goal, Reading(shown, extract_plan(shown), since, cycle, horizon, has_rules))
     return goal
+
+
+def reading(*atoms, cycle=0):
+    return Reading(answer(*atoms), TaskPlan(), cycle, cycle, cycle, has_rules=True)
 
 
 def test_goal_status_malformed_action_is_a_fault():
@@ -33,10 +37,10 @@ def test_goal_status_malformed_action_is_a_fault():
 
 
 def test_goal_status_malformed_status_is_a_fault():
-    statuses = GoalStatuses(answer("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)"))
-    assert len(statuses.faults) == 4
-    assert all("write _status(Id,S,C)" in fault for fault in statuses.faults)
-    assert statuses.faults == sorted(statuses.faults)
+    faults = reading("_status(1,done,2)", "_status(1,2)", "_status(1,accepted,x)", "_status(1,5,2)").faults
+    assert len(faults) == 4
+    assert all("write _status(Id,S,C)" in fault for fault in faults)
+    assert faults == sorted(faults)
 
 
 def test_goal_status_ends_goal_with_words_of_program():
@@ -64,9 +68,9 @@ def test_goal_status_end_counts_in_cycle_without_answer(word, cycle, ends):
 
 def test_goal_status_worse_of_two_statuses_counts():
     for worse, better in combinations(["aborted", "rejected", "canceled", "succeeded", "accepted"], 2):
-        statuses = GoalStatuses(answer(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z,x),2)"))
-        assert statuses.read(parse_term("1"), 2) == Status(worse, "z, x")
-        assert statuses.read(parse_term("1"), 3) is statuses.read(parse_term("2"), 2) is None
+        found = reading(f"_status(1,{better}(a),2)", f"_status(1,{worse}(z,x),2)")
+        assert found.status(parse_term("1"), 2) == Status(worse, "z, x")
+        assert found.status(parse_term("1"), 3) is found.status(parse_term("2"), 2) is None
 
 
 @pytest.mark.parametrize(
