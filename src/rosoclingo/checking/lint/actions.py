@@ -104,26 +104,27 @@ class Actions:
                 continue
             terms = sorted({term for parameter in parameters for term in query(parameter)})
             needed |= set(map(str, terms))
-            for term in terms:
-                if str(term) not in names:
-                    yield self._no_label(action, term, names)
+            for term in (one for one in map(str, terms) if one not in names):
+                message = f"there is no label {term}: the action {action} will return unknown_label for it"
+                remedy = likely_value(term, names) if names else ""
+                yield fault_at(self._where(term) or self._nodes[action], "no-label", message, remedy)
         for node in self._odd_in_rows(names):
             if str(node) not in needed:
                 message = f"there is no label {node}, although all other facts have labels here"
                 yield fault_at(node, "no-label", message, likely_value(str(node), names))
         for one in labels if certain and needed else ():
             if one.name not in needed:
-                yield one.fault("idle-label", f"no action uses the label {one.name}", _meant(one.name, needed))
+                remedy = likely_word(one.name, needed) or f"places are {', '.join(sorted(needed))}"
+                yield one.fault("idle-label", f"no action uses the label {one.name}", remedy)
 
     def ambiguous_parameters(self, reasons: Callable[[str], AbstractSet[str]]) -> Iterator[Fault]:
         """Yield the parameters that equal a failure reason of their action; ``reasons`` returns these by its name."""
         for action, parameters in self.parameters.items():
             alike = reasons(action) & set(map(str, parameters or ()))
             for term in sorted(alike):
-                node = self._where(term)
                 message = f"{term} is both a parameter and a failure reason of {action}"
                 remedy = f"rename it: _return({action},{term},C) would mean success and failure"
-                yield fault_at(self._nodes[action] if node is None else node, "like-reason", message, remedy)
+                yield fault_at(self._where(term) or self._nodes[action], "like-reason", message, remedy)
 
     def _odd_in_rows(self, names: Set[str]) -> Iterator[Node]:
         """Yield the only constant without a label in a position where all other facts have labels."""
@@ -137,12 +138,6 @@ class Actions:
             odd = [node for text, node in row.items() if text not in names]
             if len(odd) == 1 and len(row) > MANY and odd[0].ast_type == ASTType.SymbolicTerm:
                 yield odd[0]
-
-    def _no_label(self, action: str, term: clingo.Symbol, names: Set[str]) -> Fault:
-        message = f"there is no label {term}: the action {action} will return unknown_label for it"
-        node = self._where(str(term))
-        remedy = likely_value(str(term), names) if names else ""
-        return fault_at(self._nodes[action] if node is None else node, "no-label", message, remedy)
 
     def _where(self, text: str) -> Optional[Node]:
         """Return the occurrence of a term in the fact with the fewest arguments."""
@@ -163,10 +158,6 @@ class Actions:
             if parameters and 2 * known > len(parameters):
                 found[action] = lambda parameter: (parameter,)
         return found
-
-
-def _meant(name: str, needed: Set[str]) -> str:
-    return likely_word(name, needed) or f"places are {', '.join(sorted(needed))}"
 
 
 def lint_labels(program: ReactiveProgram, labels: Sequence[PlacedName]) -> List[Fault]:

@@ -1,7 +1,7 @@
 """The possible argument values of predicates, an over-approximation computed from the rules."""
 
 from functools import lru_cache
-from typing import Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, List, Optional, Sequence, Set, Tuple
 
 import clingo
 
@@ -22,14 +22,8 @@ ImpossibleArgument = Tuple[int, List[clingo.Symbol]]
 """The position of an impossible argument, and the values that are possible there."""
 
 
-class Disjoint(NamedTuple):
-    """A variable of two atoms that has the values ``its`` in one atom and ``others`` in the other, none in common."""
-
-    variable: str
-    atom: Condition
-    its: FrozenSet[clingo.Symbol]
-    other: Condition
-    others: FrozenSet[clingo.Symbol]
+Disjoint = Tuple[str, Condition, Set[clingo.Symbol], Condition, Set[clingo.Symbol]]
+"""A variable, and two atoms in which it has no common value, each with its values there."""
 
 
 class ArgumentValues:
@@ -87,14 +81,14 @@ class ArgumentValues:
                 if values and known.setdefault(one.name, (condition, values))[1].isdisjoint(values):
                     other, others = known[one.name]
                     if not any(map(names_of, [*values, *others])):
-                        return Disjoint(one.name, condition, frozenset(values), other, frozenset(others))
+                        return one.name, condition, set(values), other, others
         return None
 
     def _is_free(self, signature: Signature) -> bool:
         return self._reach is None or signature in self._reach.free or len(self._atoms(signature)) > _MOST
 
     def _atoms(self, signature: Signature) -> Sequence[clingo.Symbol]:
-        return () if self._reach is None else self._reach.atoms(signature, _MOST + 1)
+        return () if self._reach is None else self._reach.atoms(signature)
 
     def _impossible(self, signature: Signature, arguments: Sequence[Patterns]) -> Optional[ImpossibleArgument]:
         if self._is_free(signature) or not self._atoms(signature):

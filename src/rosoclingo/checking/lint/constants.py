@@ -1,6 +1,6 @@
 """Checks for names in place of numbers."""
 
-from typing import Collection, Dict, Iterator, List, Sequence
+from typing import Dict, Iterator, List, Sequence
 
 import clingo
 from clingo.ast import AggregateFunction, ASTType, UnaryOperator
@@ -23,13 +23,10 @@ def names_used_as_numbers(survey: Survey) -> List[Fault]:
             name = _word(term)
             if name and name not in known:
                 message = f"{name} is used as a number, but no #const defines it"
-                fault = fault_at(term, "no-number", message, _remedy(name, own))
+                remedy = likely_word(name, own) or f"write #const {name} = 1. with its value"
+                fault = fault_at(term, "no-number", message, remedy)
                 found.setdefault(f"{fault.file}:{fault.line}:{name}", fault)
     return list(found.values())
-
-
-def _remedy(name: str, own: Collection[str]) -> str:
-    return likely_word(name, own) or f"write #const {name} = 1. with its value"
 
 
 def _word(term: Node) -> str:
@@ -51,13 +48,7 @@ def _counted(nodes: Sequence[Node]) -> Iterator[Node]:
         elif kind in (ASTType.Aggregate, ASTType.HeadAggregate) or (
             kind == ASTType.BodyAggregate and node.function in _COUNTING
         ):
-            yield from _guards(node)
+            yield from (guard.term for guard in (node.left_guard, node.right_guard) if guard is not None)
 
 
 _COUNTING = (AggregateFunction.Count, AggregateFunction.Sum, AggregateFunction.SumPlus)  # other guards can be words
-
-
-def _guards(node: Node) -> Iterator[Node]:
-    for guard in (node.left_guard, node.right_guard):
-        if guard is not None:
-            yield guard.term

@@ -29,7 +29,6 @@ from rosoclingo.planning.explaining.atom_patterns import (
     patterns_of,
     substitute,
 )
-from rosoclingo.planning.explaining.reach import HeadRule
 
 REQUEST = Signature("_request", 2)
 #: Predicates that the core reads from an answer.
@@ -100,12 +99,14 @@ def status_faults(survey: Survey, values: ArgumentValues) -> List[Fault]:
         known = [one for one in (derived or rule.head.patterns) if not is_variable(one.arguments[1])]
         words = {_word(one.arguments[1]) for one in known}
         given |= words
-        fault = _unknown_status(rule, words)
-        if fault is None and not derived:
-            word = term_text(signature_and_arguments(rule.head.term)[1][1])
-            message = f"this rule never makes a goal {word}: nothing satisfies its body"
-            fault = _status_fault(rule, "unreachable-status", message, "check its body")
-        if fault is not None:
+        unknown, status = sorted(words - {*WORDS, ANY.name}), signature_and_arguments(rule.head.term)[1][1]
+        if unknown:
+            message = f"{unknown[0]} is not a status; statuses are {', '.join(WORDS)}"
+            fault = fault_at(status, "status-word", message, likely_value(unknown[0], WORDS))
+        else:
+            message = f"this rule never makes a goal {term_text(status)}: nothing satisfies its body"
+            fault = fault_at(status, "unreachable-status", message, "check its body")
+        if unknown or not derived:
             found.setdefault(f"{fault.line}:{fault.column}", fault)
     misspelt = any(one.kind == "status-word" and "mean succeeded" in one.remedy for one in found.values())
     if numbers and not given & {"succeeded", ANY.name} and not misspelt and survey.is_external(REQUEST):
@@ -119,19 +120,6 @@ def _word(status: clingo.Symbol) -> str:
     """Return the word of a status without its reason."""
     named = status.type is clingo.SymbolType.Function and status.name and len(status.arguments) < 2
     return status.name if named else str(status)
-
-
-def _unknown_status(rule: HeadRule, words: Set[str]) -> Optional[Fault]:
-    unknown = sorted(words - {*WORDS, ANY.name})
-    if not unknown:
-        return None
-    message = f"{unknown[0]} is not a status; statuses are {', '.join(WORDS)}"
-    return _status_fault(rule, "status-word", message, likely_value(unknown[0], WORDS))
-
-
-def _status_fault(rule: HeadRule, kind: str, message: str, remedy: str) -> Fault:
-    begin = signature_and_arguments(rule.head.term)[1][1].location.begin
-    return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
 
 
 def hidden_predicates(survey: Survey) -> Iterator[Fault]:

@@ -24,7 +24,7 @@ from rosoclingo.checking.lint.predicates import (
     unused_predicates,
 )
 from rosoclingo.checking.lint.punctuation import suspicious_marks
-from rosoclingo.checking.lint.silence import Silences
+from rosoclingo.checking.lint.silence import read_silences
 from rosoclingo.checking.lint.steps import mismatched_steps, unbounded_look_backs, wrong_steps
 from rosoclingo.checking.lint.swapped_arguments import swapped_arguments, swapped_keyword_arguments
 from rosoclingo.oclingo.errors import Fault, ProgramError
@@ -105,12 +105,11 @@ def findings(faults: Iterable[Fault], texts: Texts, program_faults: Iterable[Fau
     """
     listed = list(texts)
     order = {name: number for number, (name, _) in enumerate(listed)}
-    silences, errors = Silences(listed), set(program_faults)
-    reported = dict.fromkeys([*faults, *silences.faults])
+    (silenced, odd_comments), errors = read_silences(listed), set(program_faults)
     found = [
         LintFinding(one, ERROR if one in errors else KINDS[one.kind])
-        for one in reported
-        if one in errors or not silences.covers(one)
+        for one in dict.fromkeys([*faults, *odd_comments])
+        if one in errors or one.kind not in silenced.get((one.file, one.line), ())
     ]
     return sorted(found, key=lambda one: (order.get(one.fault.file, len(order)), one.fault.line, one.fault.column))
 

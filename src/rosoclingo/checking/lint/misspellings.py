@@ -93,13 +93,9 @@ def _arguments(places: _Places) -> Iterator[Tuple[Signature, int]]:
 def _slips_of_variables(variables: _Names) -> Iterator[Fault]:
     often = [name for name, places in variables.items() if len(places) > 2]
     for name, places in variables.items():
-        near = [one for one in often if len(places) == 1 and _is_slip_of_variable(name, one)]
-        meant = max(near, key=lambda one: len(variables[one]), default=None)
-        if meant is not None:
-            yield fault_at(places[0][1], "misspelt", f"the variable {name} occurs only once", did_you_mean(meant))
-
-
-def _is_slip_of_variable(text: str, other: str) -> bool:
-    if text.lower() == other.lower():
-        return text != other and len(text) > 1
-    return is_misspelling(text, other, shortest=2)
+        if len(places) == 1:
+            other_case = (one for one in often if one.lower() == name.lower() and len(name) > 1)
+            near = [*other_case, *(one for one in often if is_misspelling(name, one, shortest=2))]
+            meant = max(near, key=lambda one: len(variables[one]), default=None)
+            if meant is not None:
+                yield fault_at(places[0][1], "misspelt", f"the variable {name} occurs only once", did_you_mean(meant))

@@ -8,7 +8,6 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 from rosoclingo.oclingo.program.literals import mentions
-from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
 from rosoclingo.oclingo.program.undefined import QUERY
 
@@ -28,12 +27,17 @@ def foreign_statements(survey: Survey, texts: Iterable[Tuple[str, str]]) -> Iter
     yield from _queries(survey)
     suspicious = any(_DRIVEN.search(text) for _, text in texts)
     for _, statement, _ in survey.statements:
-        if statement.ast_type == ASTType.Definition and statement.name in _BOUNDS and not _is_used(statement, survey):
+        others = (one for _, one, _ in survey.statements if one is not statement)
+        bound = statement.ast_type == ASTType.Definition and statement.name in _BOUNDS
+        if bound and not any(mentions(one, statement.name) for one in others):
             message = f"#const {statement.name} has no effect: only clingo's incmode reads it"
             yield fault_at(statement, _INCMODE, message, f"remove it: {_BOUNDS[statement.name]}")
         for node in statement.nodes if suspicious else ():
             if node.ast_type == ASTType.TheoryAtom:
-                yield _theory_atom(node)
+                name = str(node.term).partition("(")[0]
+                message = f"&{name} is not interpreted: no theory is loaded, and the atom constrains nothing"
+                rules = "rules about atoms with the step" if name in _STATES else "rules, or an aggregate like #sum"
+                yield fault_at(node, _PASSIVE, message, f"write {rules}")
             elif node.ast_type == ASTType.Function and node.external:
                 message = f"no script defines @{node.name}: clingo drops instances that need it"
                 yield fault_at(node, _PASSIVE, message, "state the function's results as facts")
@@ -49,13 +53,6 @@ def included_libraries(texts: Iterable[Tuple[str, str]]) -> Iterator[Fault]:
                 yield Fault(name, one.line, one.column, message, "remove it", _PASSIVE)
 
 
-def _theory_atom(node: Node) -> Fault:
-    name = str(node.term).partition("(")[0]
-    remedy = "write rules about atoms with the step" if name in _STATES else "write rules, or an aggregate like #sum"
-    message = f"&{name} is not interpreted: no theory is loaded, and the atom constrains nothing"
-    return fault_at(node, _PASSIVE, message, remedy)
-
-
 def _queries(survey: Survey) -> Iterator[Fault]:
     """Yield the declaration of incmode's external ``query(t)`` if rules use it."""
     if QUERY in survey.defining or QUERY in survey.opened:
@@ -68,9 +65,3 @@ def _queries(survey: Survey) -> Iterator[Fault]:
         atom = term_text(place.occurrence.term)
         message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
         yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")
-
-
-def _is_used(definition: Node, survey: Survey) -> bool:
-    """Return whether a statement other than its definition mentions a constant."""
-    others = (statement for _, statement, _ in survey.statements if statement is not definition)
-    return any(mentions(one, definition.name) for one in others)

@@ -9,9 +9,9 @@ from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_spelling, likely_value
-from rosoclingo.oclingo.program.literals import names_in
+from rosoclingo.oclingo.program.literals import is_plain_atom, names_in
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import occurrences, signature_and_arguments
+from rosoclingo.oclingo.program.signatures import occurrences
 from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, term_text
 from rosoclingo.oclingo.program.undefined import primed_remedy
 from rosoclingo.oclingo.progression.terms import Signature
@@ -33,7 +33,11 @@ _OUTGOING = {one for one in _KEYWORDS if one.name not in _INCOMING} | {Signature
 def unused_predicates(survey: Survey) -> List[Fault]:
     """Return the unused predicates that look misspelt and, in programs with ``#show``, all others."""
     found: List[Fault] = []
-    looked_at = {one for one in survey.using if _is_used(survey, one)} | survey.shown.keys() | _OUTGOING
+    looked_at = (
+        {one for one, places in survey.using.items() if any(not _defines_alone(place) for place in places)}
+        | survey.shown.keys()
+        | _OUTGOING
+    )
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:
             continue
@@ -48,14 +52,10 @@ def unused_predicates(survey: Survey) -> List[Fault]:
     return found
 
 
-def _is_used(survey: Survey, signature: Signature) -> bool:
-    """Return whether rules use the predicate, apart from those that only define it recursively."""
-    return any(not _defines_alone(one.statement, signature) for one in survey.using[signature])
-
-
-def _defines_alone(statement: Node, signature: Signature) -> bool:
-    heads = {one.signature for one in occurrences(statement) if one.head}
-    return statement.ast_type == ASTType.Rule and heads == {signature}
+def _defines_alone(place: Place) -> bool:
+    """Return whether a rule uses a predicate only to define it recursively."""
+    heads = {one.signature for one in occurrences(place.statement) if one.head}
+    return place.statement.ast_type == ASTType.Rule and heads == {place.signature}
 
 
 def _unused(
@@ -73,24 +73,18 @@ def _unused(
 # ---- atoms that are never true --------------------------------------------------------------------------------------
 
 
-def mismatched_atoms(survey: Survey, values: ArgumentValues) -> List[Fault]:
-    """Return the body atoms with an argument value that their predicate never has."""
-    found = []
-    for signature, used in survey.using.items():
-        if signature in survey.known and values.is_possible(signature):
-            found += [fault for place in used for fault in _mismatch(place, values)]
-    return found
-
-
-def _mismatch(place: Place, values: ArgumentValues) -> Iterator[Fault]:
-    term = place.occurrence.term
-    impossible = values.impossible_argument(term, place.part.parameter)
-    if impossible is not None:
-        position, possible = impossible
-        argument = signature_and_arguments(term)[1][position]
-        known = sorted(format_pattern(one) for one in possible)
-        message = f"{place.signature} is never true with {term_text(argument)} as argument {position + 1}"
-        yield fault_at(argument, "no-match", message, likely_value(str(argument), known))
+def mismatched_atoms(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
+    """Yield the body atoms with an argument value that their predicate never has."""
+    possible = (one for one in survey.using if one in survey.known and values.is_possible(one))
+    for place in (one for signature in possible for one in survey.using[signature]):
+        impossible = values.impossible_argument(place.occurrence.term, place.part.parameter)
+        if impossible is not None:
+            position, known = impossible
+            argument = place.occurrence.arguments[position]
+            message = f"{place.signature} is never true with {term_text(argument)} as argument {position + 1}"
+            yield fault_at(
+                argument, "no-match", message, likely_value(str(argument), sorted(map(format_pattern, known)))
+            )
 
 
 def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
@@ -98,10 +92,10 @@ def disjoint_bodies(values: ArgumentValues) -> Iterator[Fault]:
     for number, rule in enumerate(values.rules):
         found = values.disjoint(number)
         if found is not None and not rule.head.term.location.begin.filename.startswith("<"):
-            name, atom, other = found.variable, term_text(found.atom.term), term_text(found.other.term)
-            message = f"the rule never applies: no {name} fits both {other} and {atom}"
-            remedy = f"it is {_listed(found.others)} in the first, {_listed(found.its)} in the second"
-            yield fault_at(found.atom.term, "no-match", message, remedy)
+            name, atom, its, other, others = found
+            message = f"the rule never applies: no {name} fits both {term_text(other.term)} and {term_text(atom.term)}"
+            remedy = f"it is {_listed(others)} in the first, {_listed(its)} in the second"
+            yield fault_at(atom.term, "no-match", message, remedy)
 
 
 def _listed(values: Iterable[clingo.Symbol]) -> str:
@@ -142,7 +136,7 @@ def rules_without_effect(survey: Survey) -> Iterator[Fault]:
     for _, statement, _ in survey.statements:
         body = [one for one in getattr(statement, "body", ()) if isinstance(one, Node)]
         literals = [one for one in body if one.ast_type == ASTType.Literal]
-        plain = {str(one.atom): one for one in literals if _is_plain(one)}
+        plain = {str(one.atom): one for one in literals if is_plain_atom(one)}
         for one in literals:
             atom = term_text(one.atom)
             if one.sign == Sign.Negation and one.atom.ast_type == ASTType.SymbolicAtom and str(one.atom) in plain:
@@ -150,14 +144,9 @@ def rules_without_effect(survey: Survey) -> Iterator[Fault]:
                 yield fault_at(one, "contradiction", message, "remove one of them")
             elif one.sign == Sign.NoSign and one.atom.ast_type == ASTType.Comparison and len(one.atom.guards) == 1:
                 yield from _odd_comparison(one, plain.values())
-        if statement.ast_type == ASTType.Rule and _is_plain(statement.head) and str(statement.head.atom) in plain:
+        if statement.ast_type == ASTType.Rule and is_plain_atom(statement.head) and str(statement.head.atom) in plain:
             message = f"the rule derives nothing: it requires its own head {term_text(statement.head.atom)}"
             yield fault_at(statement.head, "tautology", message, "did you mean another step in the body?")
-
-
-def _is_plain(literal: Node) -> bool:
-    kinds = literal.ast_type == ASTType.Literal and literal.atom.ast_type == ASTType.SymbolicAtom
-    return bool(kinds and literal.sign == Sign.NoSign)
 
 
 def _odd_comparison(literal: Node, atoms: Iterable[Node]) -> Iterator[Fault]:

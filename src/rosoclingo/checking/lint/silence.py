@@ -12,43 +12,25 @@ _ALONE = re.compile(r"\s*[%#]\s*check:\s*ok\b")
 _WORD = re.compile(r"[^\s,;]+")
 
 
-class Silences:
-    """The silenced kinds of findings by line.
+def read_silences(texts: Iterable[Tuple[str, str]]) -> Tuple[Dict[Tuple[str, int], Set[str]], List[Fault]]:
+    """Return the silenced kinds by file and line, and the comments that name no kind or an unknown one.
 
-    A comment can end with a reason in parentheses, which is ignored.
-
-    Attributes:
-        faults: comments that name no kind, or an unknown one.
-
+    ``texts`` are names and texts of files. A comment can end with a reason in parentheses, which is ignored.
     """
-
-    def __init__(self, texts: Iterable[Tuple[str, str]]) -> None:
-        """Read the comments of files, given as names and texts."""
-        self._kinds: Dict[Tuple[str, int], Set[str]] = {}
-        self.faults: List[Fault] = []
-        for name, text in texts:
-            if "check:" in text:
-                self._read(name, text)
-
-    def _read(self, name: str, text: str) -> None:
-        for number, line in enumerate(text.splitlines(), 1):
+    silenced: Dict[Tuple[str, int], Set[str]] = {}
+    faults: List[Fault] = []
+    remedy = "write % check: ok KIND, with the kind in square brackets at the end of the finding"
+    for name, text in texts:
+        for number, line in enumerate(text.splitlines() if "check:" in text else (), 1):
             match = _COMMENT.search(line)
-            if match is not None:
-                kinds = _WORD.findall(match.group("kinds"))
-                self._judge(name, number, match.start() + 1, kinds)
-                self._kinds.setdefault((name, number), set()).update(kinds)
-                if _ALONE.match(line):
-                    self._kinds.setdefault((name, number + 1), set()).update(kinds)
-
-    def _judge(self, name: str, line: int, column: int, kinds: List[str]) -> None:
-        remedy = "write % check: ok KIND, with the kind in square brackets at the end of the finding"
-        if not kinds:
-            self.faults.append(Fault(name, line, column, "the comment names no kind", remedy, "silence"))
-        for kind in kinds:
-            if kind not in KINDS:
+            if match is None:
+                continue
+            kinds, place = _WORD.findall(match.group("kinds")), (name, number, match.start() + 1)
+            if not kinds:
+                faults.append(Fault(*place, "the comment names no kind", remedy, "silence"))
+            for kind in (one for one in kinds if one not in KINDS):
                 hint = likely_word(kind, KINDS) or remedy
-                self.faults.append(Fault(name, line, column, f"there is no kind {kind} of findings", hint, "silence"))
-
-    def covers(self, fault: Fault) -> bool:
-        """Return whether a finding is silenced."""
-        return fault.kind in self._kinds.get((fault.file, fault.line), ())
+                faults.append(Fault(*place, f"there is no kind {kind} of findings", hint, "silence"))
+            for covered in (number, number + 1) if _ALONE.match(line) else (number,):
+                silenced.setdefault((name, covered), set()).update(kinds)
+    return silenced, faults

@@ -31,8 +31,7 @@ def wrong_steps(survey: Survey, first: int) -> List[Fault]:
         heads = [_Atom(one, survey.steps(one)) for one in defining]
         uses = [_Atom(one, survey.steps(one)) for one in survey.using.get(signature, ())]
         timed = [one for one in heads if one.place.part.parameter]
-        found += [_without_step(one.place) for one in timed if _lacks_step(one)]
-        found += _mixed_offsets(signature, timed)
+        found += [*_heads_without_step(timed), *_mixed_offsets(signature, timed)]
         found += _misplaced_steps([*heads, *uses])
         found += _first_steps(heads, timed, survey, first)
         if not survey.is_external(signature):
@@ -43,26 +42,23 @@ def wrong_steps(survey: Survey, first: int) -> List[Fault]:
 # ---- heads ----------------------------------------------------------------------------------------------------------
 
 
-def _lacks_step(atom: _Atom) -> bool:
-    """Return whether a rule derives the same head at each step; facts do not count, as clingo accepts them twice."""
-    place = atom.place
-    is_fact = place.statement.head.ast_type == ASTType.Literal and not place.statement.body
-    return not (
-        atom.steps or is_fact or mentions(place.occurrence.term, place.part.parameter) or _comparisons_with_step(place)
-    )
+def _heads_without_step(timed: Sequence[_Atom]) -> Iterator[Fault]:
+    """Yield the heads that a rule derives at each step; facts do not count, as clingo accepts them twice."""
+    for place, steps in timed:
+        is_fact = place.statement.head.ast_type == ASTType.Literal and not place.statement.body
+        head, step = term_text(place.occurrence.term), place.part.parameter
+        if not (steps or is_fact or mentions(place.occurrence.term, step) or _comparisons_with_step(place)):
+            message = f"the head {head} has no step: clingo stops (redefinition) when the rules of two steps define it"
+            example = "{}({})".format(
+                place.signature.name, ",".join([*map(term_text, place.occurrence.arguments), step])
+            )
+            yield place.fault("no-step", message, f"add the step, as in {example}, or move the rule to base")
 
 
 def _comparisons_with_step(place: Place) -> List[Node]:
     """Return the comparisons of a rule that mention its step."""
     comparisons = (one for one in place.statement.nodes if one.ast_type == ASTType.Comparison)
     return [one for one in comparisons if mentions(one, place.part.parameter)]
-
-
-def _without_step(place: Place) -> Fault:
-    head, step = term_text(place.occurrence.term), place.part.parameter
-    message = f"the head {head} has no step: clingo stops (redefinition) when the rules of two steps define it"
-    example = "{}({})".format(place.signature.name, ",".join([*map(term_text, place.occurrence.arguments), step]))
-    return place.fault("no-step", message, f"add the step, as in {example}, or move the rule to base")
 
 
 def _mixed_offsets(signature: Signature, timed: Sequence[_Atom]) -> Iterator[Fault]:
@@ -193,7 +189,9 @@ def mismatched_steps(survey: Survey) -> Iterator[Fault]:
                 message = f"{term_text(act.occurrence.term)} has another cycle than {part.parameter}, its step"
                 yield act.fault("other-step", message, f"write {part.parameter} for its cycle")
             yield from _mismatched_returns(act, returns, survey)
-        ends = part.name == "volatile" and _is_constraint(statement)
+        head = statement.head
+        is_constraint = head.ast_type == ASTType.Literal and head.atom.ast_type == ASTType.BooleanConstant
+        ends = part.name == "volatile" and is_constraint
         steps = [survey.steps(one).values() for one in places] if ends else []
         if steps and all(one and max(one) < 0 for one in steps):
             message = f"no atom here has step {part.parameter}: the constraint ignores a plan's last step"
@@ -209,7 +207,3 @@ def _mismatched_returns(act: Place, returns: Sequence[Place], survey: Survey) ->
         atoms = [term_text(one.occurrence.term) for one in (same[0], act)]
         message = f"{atoms[0]} is not the return of {atoms[1]}, which has another cycle"
         yield same[0].fault("other-step", message, "an action and its return have the same cycle")
-
-
-def _is_constraint(statement: Node) -> bool:
-    return statement.head.ast_type == ASTType.Literal and statement.head.atom.ast_type == ASTType.BooleanConstant

@@ -8,7 +8,6 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -53,8 +52,10 @@ def _places(signature: Signature, survey: Survey) -> List[Place]:
 
 
 def _swapped_variables(atoms: Sequence[Place]) -> Iterator[Fault]:
-    names = [[_variable(one) for one in atom.occurrence.arguments] for atom in atoms]
-    count: Dict[Tuple[int, Optional[str]], int] = Counter((n, name) for row in names for n, name in enumerate(row))
+    names = [
+        [one.name if one.ast_type == ASTType.Variable else "_" for one in atom.occurrence.arguments] for atom in atoms
+    ]
+    count: Dict[Tuple[int, str], int] = Counter((n, name) for row in names for n, name in enumerate(row))
     for atom, row in zip(atoms, names):
         pair = _pair(row, count)
         if pair is not None and not _mirrors(atom, row, pair):
@@ -65,27 +66,23 @@ def _swapped_variables(atoms: Sequence[Place]) -> Iterator[Fault]:
             )
 
 
-def _variable(term: Node) -> Optional[str]:
-    return str(term.name) if term.ast_type == ASTType.Variable and term.name != "_" else None
-
-
 def _stem(name: str) -> str:
     """Return a name without its trailing digits and primes."""
     return name.rstrip("'0123456789")
 
 
-def _pair(row: Sequence[Optional[str]], count: Dict[Tuple[int, Optional[str]], int]) -> Optional[Tuple[int, int]]:
+def _pair(row: Sequence[str], count: Dict[Tuple[int, str], int]) -> Optional[Tuple[int, int]]:
     """Return the positions of two arguments that all other atoms have the other way round."""
     for i, one in enumerate(row):
         for j, other in enumerate(row[i + 1 :], i + 1):
-            if one and other and _stem(one) != _stem(other) and max(len(one), len(other)) > 1:
+            if "_" not in (one, other) and _stem(one) != _stem(other) and max(len(one), len(other)) > 1:
                 lone = count[i, one] == 1 and count[j, other] == 1
                 if lone and min(count[j, one], count[i, other]) >= _ALIKE:
                     return i, j
     return None
 
 
-def _mirrors(atom: Place, row: Sequence[Optional[str]], pair: Tuple[int, int]) -> bool:
+def _mirrors(atom: Place, row: Sequence[str], pair: Tuple[int, int]) -> bool:
     """Return whether the rule also contains the atom with the two arguments swapped."""
     mine = list(map(str, atom.occurrence.arguments))
     mine[pair[0]], mine[pair[1]] = mine[pair[1]], mine[pair[0]]

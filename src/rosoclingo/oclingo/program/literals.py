@@ -16,11 +16,16 @@ def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
     return {one.signature for part in parts for _, one in part.atoms if one.head} - used
 
 
+def is_plain_atom(literal: Node) -> bool:
+    """Return whether a literal is an atom without negation."""
+    plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
+    return bool(plain and literal.atom.ast_type == ASTType.SymbolicAtom)
+
+
 def plain_literals(statement: Node) -> Iterator[Node]:
     """Yield the positive body literals that consist of a single atom."""
     for literal in statement.body if hasattr(statement, "body") else ():
-        plain = literal.ast_type == ASTType.Literal and literal.sign == Sign.NoSign
-        if plain and literal.atom.ast_type == ASTType.SymbolicAtom and len(list(atom_terms(literal.atom.symbol))) == 1:
+        if is_plain_atom(literal) and len(list(atom_terms(literal.atom.symbol))) == 1:
             yield literal
 
 
