@@ -3,6 +3,7 @@
 import re
 from functools import lru_cache
 from itertools import product
+from math import prod
 from typing import Dict, FrozenSet, Optional, Tuple
 
 import clingo
@@ -42,7 +43,9 @@ def patterns_of(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
         return found if len(found) <= MOST else (ANY,)
     if kind == ASTType.Function and not term.external:
         rows = [patterns_of(one, values) for one in term.arguments]
-        return _products(term.name, rows)
+        if prod(map(len, rows)) > MOST:
+            rows = [row if len(row) == 1 else (ANY,) for row in rows]
+        return tuple(clingo.Function(term.name, row) for row in product(*rows))
     if kind == ASTType.Interval:
         return _range(term, values)
     value = evaluate(term, values)
@@ -70,15 +73,6 @@ def _with_variables(term: clingo.Symbol) -> clingo.Symbol:
     return clingo.Function(name, [_with_variables(one) for one in term.arguments], term.positive)
 
 
-def _products(name: str, rows: "list[Patterns]") -> Patterns:
-    number = 1
-    for row in rows:
-        number *= len(row)
-    if number > MOST:
-        rows = [row if len(row) == 1 else (ANY,) for row in rows]
-    return tuple(clingo.Function(name, row) for row in product(*rows))
-
-
 def _range(term: Node, values: Dict[str, clingo.Symbol]) -> Patterns:
     ends = [evaluate(one, values) for one in (term.left, term.right)]
     numbers = [one.number for one in ends if one is not None and one.type is clingo.SymbolType.Number]
@@ -91,7 +85,7 @@ def substitute(pattern: clingo.Symbol, bound: Bound) -> clingo.Symbol:
     """Replace the variables of a pattern by their values; unbound variables become :data:`ANY`."""
     if is_variable(pattern):
         return bound.get(pattern.name, ANY)
-    if _is_compound(pattern):
+    if arguments_in(pattern):
         return clingo.Function(pattern.name, [substitute(one, bound) for one in pattern.arguments], pattern.positive)
     return pattern
 
@@ -105,7 +99,7 @@ def matches(pattern: clingo.Symbol, term: clingo.Symbol, bound: Bound) -> bool:
         return known is None or matches(known, term, bound)
     if ANY in (pattern, term):
         return True
-    if not (_is_compound(pattern) and _is_compound(term)):
+    if not (arguments_in(pattern) and arguments_in(term)):
         return pattern == term
     same = pattern.match(term.name, len(term.arguments), term.positive)
     return same and all(matches(one, other, bound) for one, other in zip(pattern.arguments, term.arguments))
@@ -137,7 +131,3 @@ def is_variable(term: clingo.Symbol) -> bool:
 def arguments_in(term: clingo.Symbol) -> Tuple[clingo.Symbol, ...]:
     """Return the arguments of a term; none if it is not a function."""
     return tuple(term.arguments) if term.type is clingo.SymbolType.Function else ()
-
-
-def _is_compound(term: clingo.Symbol) -> bool:
-    return bool(arguments_in(term))

@@ -14,7 +14,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.explaining.induction import excludes_longer_plans
 from rosoclingo.planning.explaining.named_rules import RuleKind
-from rosoclingo.planning.explaining.near_miss import Ends, never_true
+from rosoclingo.planning.explaining.near_miss import never_true
 from rosoclingo.planning.explaining.questions import Questions, Stream
 from rosoclingo.planning.explaining.reach import Reach, UncertainError
 from rosoclingo.planning.explaining.relaxed_program import KEEP, WHOLE, RelaxedProgram
@@ -77,6 +77,7 @@ class _Explainer:
         program_facts: Blamed[int] = self._in_time(lambda: self._find_program_facts(rules), ())
         rule_of = self._relaxed.rules
         blamed = tuple(self._blamed(number, relaxations, steps.get(number, ())) for number in mus.items)
+        ends = [(one.rule, one.breach[1]) for one in blamed if one.rule.kind is RuleKind.VOLATILE and one.breach]
         reach = self._reach() if self._complete else None
         last = self._steps[-1]
         return WhyNot(
@@ -89,7 +90,7 @@ class _Explainer:
             mus.smallest,
             self._complete,
             self._broken_plan(relaxations),
-            () if reach is None else never_true(self._program, reach, _ends(blamed)),
+            () if reach is None else never_true(self._program, reach, ends),
         )
 
     def _reach(self) -> Optional[Reach]:
@@ -221,11 +222,6 @@ class _Explainer:
     def _actions(self, plan: Reply) -> List[clingo.Symbol]:
         actions = Plan.from_atoms(plan.answers[-1], plan.horizon).rest(self._steps[0]).actions
         return sorted(actions, key=lambda one: (one.arguments[2].number, one))
-
-
-def _ends(rules: Iterable[BlamedRule]) -> Ends:
-    """Return the constraints on the end of a plan, with the values of their breaches."""
-    return [(one.rule, one.breach[1]) for one in rules if one.rule.kind is RuleKind.VOLATILE and one.breach]
 
 
 def _selectors(rules: Iterable[int]) -> List[clingo.Symbol]:

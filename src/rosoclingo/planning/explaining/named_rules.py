@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Dict, Iterable, List, Mapping, Tuple
 
-from clingo.ast import Location
-
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.sources import Source
 
@@ -73,7 +71,11 @@ class RuleTexts:
         """Return the text of a statement; whole lines if its location has no usable columns."""
         location = statement.location
         lines = self._lines.get(location.begin.filename, [])[location.begin.line - 1 : location.end.line]
-        text = _laid_out(_cut(lines, location), location.begin.column - 1)
+        pieces = [line.encode() for line in lines]  # columns count bytes
+        if pieces:
+            pieces[-1] = pieces[-1][: location.end.column - 1]
+            pieces[0] = pieces[0][location.begin.column - 1 :]
+        text = _laid_out((piece.decode(errors="replace") for piece in pieces), location.begin.column - 1)
         return text if text.endswith(".") else _laid_out(lines, 0) or str(statement)
 
     def words(self, statement: Node) -> str:
@@ -86,15 +88,6 @@ class RuleTexts:
                 break
             found.insert(0, comment["words"])
         return " ".join(found)
-
-
-def _cut(lines: List[str], location: Location) -> List[str]:
-    """Return the part of ``lines`` at a location; columns count bytes of UTF-8."""
-    pieces = [line.encode() for line in lines]
-    if pieces:
-        pieces[-1] = pieces[-1][: location.end.column - 1]
-        pieces[0] = pieces[0][location.begin.column - 1 :]
-    return [piece.decode(errors="replace") for piece in pieces]
 
 
 def _laid_out(lines: Iterable[str], indent: int) -> str:

@@ -11,7 +11,6 @@ from rosoclingo.planning.explaining.relaxed_program import RelaxedProgram
 from rosoclingo.planning.history import History, entry_from_message, entry_to_message
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.question import Reply, Stop
-from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import Message
 
@@ -63,7 +62,9 @@ class Questions:
         self._solver.restore(stream.log)
         before, update = self._solver.snapshot, stream.update
         self.step = before.step if update.step is None else update.step
-        self.facts = _assumable(before, update)
+        statements = [*before.statements, *(one for _, one in update.sections())]
+        plain = (one for one in statements if one.is_commitment or not one.body)  # actions can depend on facts
+        self.facts = frozenset(one.subject for one in plain if one.subject is not None)
 
     def with_program(self, program: RelaxedProgram) -> "Questions":
         """Return the questions about the same stream for another program."""
@@ -99,10 +100,3 @@ class Questions:
             else:  # the history already requires this horizon
                 break
         return best
-
-
-def _assumable(snapshot: Snapshot, update: StreamUpdate) -> Facts:
-    """Return the facts and the executed actions, which have to be assumable too, as actions can depend on facts."""
-    statements = [*snapshot.statements, *(one for _, one in update.sections())]
-    plain = (one for one in statements if one.is_commitment or not one.body)
-    return frozenset(one.subject for one in plain if one.subject is not None)

@@ -6,7 +6,7 @@ small grounding, from which clingo derives all atoms. All other atoms are false 
 steps.
 """
 
-from itertools import islice, product
+from itertools import product
 from math import prod
 from typing import (
     Callable,
@@ -29,6 +29,7 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.program.action_rules import RUNNING
+from rosoclingo.oclingo.program.literals import is_plain_atom
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import atom_terms, head_literals, signature_and_arguments
@@ -142,8 +143,6 @@ class Reach:
         """
         survey = program.survey
         self._constants = {**survey.constants, **dict.fromkeys(survey.unvalued, ANY)}
-        self._values: Dict[str, Dict[str, clingo.Symbol]] = {}
-        self._patterns: Dict[int, Patterns] = {}
         kinds = [ASTType.Rule] if known is not None else [ASTType.Rule, ASTType.External]
         self.rules = [
             rule
@@ -165,35 +164,28 @@ class Reach:
                 lines += self._texts(rule, number, rule.head.signature in numbered)
         self._control = _ground("\n".join(lines))
         self._atoms: Dict[Signature, List[clingo.Symbol]] = {}
-        self._by_rule: Optional[Dict[int, List[clingo.Symbol]]] = None
+        self._by_rule: Dict[int, List[clingo.Symbol]] = {}
+        for index, atom in (one.arguments for one in self.atoms(Signature(_BY_RULE, 2))):
+            self._by_rule.setdefault(index.number, []).append(atom)
 
     def is_possible(self, atom: clingo.Symbol) -> bool:
         """Return whether a reachable atom matches the pattern ``atom``."""
         signature = signature_of(atom)
         return signature in self.free or any(matches(atom, one, {}) for one in self.atoms(signature))
 
-    def atoms(self, signature: Signature, most: Optional[int] = None) -> List[clingo.Symbol]:
-        """Return at most ``most`` reachable atoms of a predicate; results are cached, so the limit must not vary."""
+    def atoms(self, signature: Signature) -> List[clingo.Symbol]:
+        """Return the reachable atoms of a predicate."""
         if signature not in self._atoms:
-            found = self._control.symbolic_atoms.by_signature(*signature)
-            self._atoms[signature] = [one.symbol for one in islice(found, most)]
+            self._atoms[signature] = [one.symbol for one in self._control.symbolic_atoms.by_signature(*signature)]
         return self._atoms[signature]
 
     def derived_by(self, rule: int) -> List[clingo.Symbol]:
         """Return the atoms that a rule of a numbered predicate derives; ``rule`` is its index in ``rules``."""
-        if self._by_rule is None:
-            self._by_rule = {}
-            for number, atom in (one.arguments for one in self.atoms(Signature(_BY_RULE, 2))):
-                self._by_rule.setdefault(number.number, []).append(atom)
         return self._by_rule.get(rule, [])
 
     def patterns(self, term: Node, step: str) -> Patterns:
         """Return the patterns of a term in a rule whose step parameter is ``step``, empty in base."""
-        if step not in self._values:
-            self._values[step] = {**self._constants, step: ANY}
-        if id(term) not in self._patterns:  # the program keeps its terms
-            self._patterns[id(term)] = patterns_of(term, self._values[step])
-        return self._patterns[id(term)]
+        return patterns_of(term, {**self._constants, step: ANY})
 
     def pattern(self, term: Node, parameter: str) -> clingo.Symbol:
         """Return the only pattern of an atom; raises UncertainError if it is a pool."""
@@ -240,22 +232,14 @@ class Reach:
     def _open_arguments(self) -> Set[Argument]:
         """Return the arguments with unknown values, and store the exact variables of each rule."""
         found = {(one, number) for one in self.free for number in range(one.arity)}
-        users: Dict[Signature, Set[int]] = {}
-        for number, rule in enumerate(self._all_rules):
-            for condition in rule.body:
-                users.setdefault(condition.signature, set()).add(number)
-        waiting = dict.fromkeys(range(len(self._all_rules)))
-        while waiting:
-            number = next(iter(waiting))
-            del waiting[number]
-            rule = self._all_rules[number]
-            self._exact[number] = _exact(rule, found)
-            exact = self._exact[number] - self._growing.get(number, set())
-            rows = (enumerate(one.arguments) for one in rule.head.patterns)
-            new = {(rule.head.signature, n) for row in rows for n, one in row if not names_of(one) <= exact} - found
-            if new:
-                found |= new
-                waiting.update(dict.fromkeys(users.get(rule.head.signature, ())))
+        before = -1
+        while before != len(found):
+            before = len(found)
+            for number, rule in enumerate(self._all_rules):
+                self._exact[number] = _exact(rule, found)
+                exact = self._exact[number] - self._growing.get(number, set())
+                rows = (enumerate(one.arguments) for one in rule.head.patterns)
+                found |= {(rule.head.signature, n) for row in rows for n, one in row if not names_of(one) <= exact}
         return found
 
     def _without_steps(self, atom: clingo.Symbol) -> clingo.Symbol:
@@ -429,17 +413,13 @@ def _declared(statement: Node) -> List[Tuple[Node, Sequence[Node]]]:
 def positive_heads(statement: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:
     """Yield the positive head atoms of a rule with their conditions."""
     for literal, condition in head_literals(statement.head):
-        if literal.sign == Sign.NoSign and literal.atom.ast_type == ASTType.SymbolicAtom:
+        if is_plain_atom(literal):
             yield from ((term, condition) for term in atom_terms(literal.atom.symbol))
 
 
 def mentions(node: Node, step: str) -> int:
     """Return how often the step occurs in a statement or term."""
     return sum(one.ast_type == ASTType.SymbolicTerm and str(one) == step for one in node.nodes)
-
-
-class _TooManyError(Exception):
-    """There are more than ``_MOST`` ground rules."""
 
 
 class _Counter(Observer):
@@ -450,7 +430,7 @@ class _Counter(Observer):
         """Count a rule."""
         self._left -= 1
         if self._left < 0:
-            raise _TooManyError
+            raise UncertainError(f"there are more than {_MOST} ground rules")
 
 
 def _ground(text: str) -> clingo.Control:
@@ -460,6 +440,6 @@ def _ground(text: str) -> clingo.Control:
     try:
         control.add("base", [], text)
         control.ground([("base", [])])
-    except (RuntimeError, _TooManyError) as error:
+    except RuntimeError as error:
         raise UncertainError(str(error)) from None
     return control

@@ -21,7 +21,7 @@ from typing import AbstractSet, Dict, Iterable, Iterator, List, NamedTuple, Opti
 import clingo
 from clingo.ast import ASTType, BodyAggregate, BodyAggregateElement, Literal, Sign
 
-from rosoclingo.oclingo.program.literals import names_in
+from rosoclingo.oclingo.program.literals import is_plain_atom, names_in
 from rosoclingo.oclingo.program.nodes import Node, make, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
@@ -116,12 +116,12 @@ class RelaxedProgram(ReactiveProgram):
         for statement in part.statements:
             own = statement.ast_type == ASTType.Rule and statement.location.begin.filename in names
             forbidden, rest = _split(statement) if own else (None, [statement])
-            if own and part.name == _BASE and not statement.body and _is_atom(statement.head):
+            if own and part.name == _BASE and not statement.body and is_plain_atom(statement.head):
                 rest = list(self._enter_facts(statement, texts))
             relaxed.statements += rest
             if forbidden is not None:
                 kind = RuleKind.VOLATILE if part.window else RuleKind.INTEGRITY
-                variables = tuple(sorted(_variables(forbidden) | _guard_variables(statement.head)))
+                variables = tuple(sorted(_variables(forbidden, statement.head)))
                 number = self._enter(statement, texts, RuleKind.BOUND if rest else kind, variables)
                 step = part.parameter or _BASE
                 values = ",".join(variables) + ("," if len(variables) == 1 else "")
@@ -161,11 +161,6 @@ def _place(statement: Node) -> str:
     return f"{begin.filename}:{begin.line}:{begin.column}"
 
 
-def _is_atom(head: Node) -> bool:
-    plain = head.ast_type == ASTType.Literal and head.sign == Sign.NoSign
-    return bool(plain and head.atom.ast_type == ASTType.SymbolicAtom)
-
-
 def _split(rule: Node) -> Tuple[Optional[List[Node]], List[Node]]:
     """Split a rule into the body of a constraint, None if it excludes nothing, and the remaining rules."""
     head, body = rule.head, list(rule.body)
@@ -194,19 +189,13 @@ def _in_body(aggregate: Node) -> Node:
     return make(BodyAggregate, aggregate.location, guards[0], aggregate.function, elements, guards[1])
 
 
-def _guard_variables(head: Node) -> Set[str]:
-    guards = (getattr(head, name, None) for name in _GUARDS)
-    return {name for guard in guards if guard is not None for name in _named(guard)}
+def _variables(body: Iterable[Node], head: Node) -> Set[str]:
+    """Return the global variables of a body and of a head's bounds; those inside aggregates and conditions are local.
 
-
-def _named(node: Node) -> Iterator[str]:
-    """Yield the names of the variables in a node, without anonymous ones."""
-    yield from (name for name in names_in(node) if name != "_" and not name.startswith("Any__"))
-
-
-def _variables(body: Iterable[Node]) -> Set[str]:
-    """Return the global variables of a body; those inside aggregates and conditions are local."""
+    Anonymous variables are left out.
+    """
     atoms = [literal.atom for literal in body if literal.ast_type == ASTType.Literal]
     plain = [atom for atom in atoms if not hasattr(atom, "elements")]
-    guards = [getattr(atom, name, None) for atom in atoms if hasattr(atom, "elements") for name in _GUARDS]
-    return {name for node in (*plain, *guards) if node is not None for name in _named(node)}
+    guards = [getattr(atom, name, None) for atom in (*atoms, head) if atom not in plain for name in _GUARDS]
+    names = {name for node in (*plain, *guards) if node is not None for name in names_in(node)}
+    return {name for name in names if name != "_" and not name.startswith("Any__")}

@@ -99,12 +99,10 @@ class WhyNot:
 
     def text(self) -> str:
         """Return the explanation as text of several lines."""
-        return "\n".join([*self._heading(), *self._rule_lines(), *self._fact_lines(), *self._plan_lines()]) + "\n"
-
-    def _heading(self) -> List[str]:
         steps = self.last - self.step
         within = f"No plan of at most {steps} step{'' if steps == 1 else 's'}"
-        return [f"{within}, and none of any length." if self.never else f"{within}; a longer plan may exist."]
+        heading = f"{within}, and none of any length." if self.never else f"{within}; a longer plan may exist."
+        return "\n".join([heading, *self._rule_lines(), *self._fact_lines(), *self._plan_lines()]) + "\n"
 
     def _rule_lines(self) -> List[str]:
         if not self.rules:
@@ -138,11 +136,13 @@ class WhyNot:
 def _lines_of(one: BlamedRule, last: int) -> List[str]:
     rule = one.rule
     lines = [f"  {rule.place}: {one.words or rule.kind.value}", *(f"      {line}" for line in rule.text.splitlines())]
-    where = _where(one, last)
-    if where:
-        lines.append(f"    {where}")
+    if one.steps:
+        lines.append(f"    {_where(one, last)}")
     if one.breach is not None:
-        lines.append(f"    {_breach(*one.breach)}")
+        step, values = one.breach
+        at = "" if step is None else f" at step {step}"
+        variables = ", ".join(f"{name}={value}" for name, value in values.items())
+        lines.append(f"    a plan without this rule violates it{at}{' with ' if variables else ''}{variables}")
     if one.besides:
         lines.append(f"    to get a plan, {' and '.join(map(_short, one.besides))} must be removed as well")
     return lines
@@ -150,17 +150,9 @@ def _lines_of(one: BlamedRule, last: int) -> List[str]:
 
 def _where(one: BlamedRule, last: int) -> str:
     """Return the steps of a rule in words."""
-    if not one.steps:
-        return ""
     if one.rule.kind is RuleKind.VOLATILE and one.steps[-1] == last:
         return "at the end of the plan, for any length" if len(one.steps) > 1 else f"at the last step, {last}"
     return f"at step{'' if len(one.steps) == 1 else 's'} {ranges(one.steps)}"
-
-
-def _breach(step: Optional[int], values: Dict[str, str]) -> str:
-    at = "" if step is None else f" at step {step}"
-    variables = ", ".join(f"{name}={value}" for name, value in values.items())
-    return f"a plan without this rule violates it{at}{' with ' if variables else ''}{variables}"
 
 
 def _fact(one: BlamedFact) -> str:
