@@ -157,11 +157,11 @@ def play(program, way, steps=20):
     for step in way:
         for one in step.move.arrivals:
             if one.kind == GOAL:
-                driver.core.add_goal(one.text, one.text)
+                driver.core.add_goal(str(one.term), str(one.term))
             elif one.kind == CANCEL:
-                driver.core.cancel_goal(one.text)
+                driver.core.cancel_goal(str(one.term))
             else:
-                driver.core.receive("sensor", [one.text])
+                driver.core.receive("sensor", [str(one.term)])
         for answer in step.move.answers:
             driver.core.receive(answer.action.interface_name, [answer.text])
         driver.core.poll(driver.now)

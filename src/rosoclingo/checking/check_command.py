@@ -109,11 +109,8 @@ def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION)
         with _without_collection():
             report, program = _lint([*sources, *added], constants, stream, extension)
         if program is not None and not program.faults:
-            trials, verification = (
-                _trials(program, stream, options, extension),
-                verify_option.run(program, options, extension),
-            )
-            report = report._replace(trials=trials, verification=verification)
+            trials = _trials(program, stream, options, extension)
+            report = report._replace(trials=trials, verification=verify_option.run(program, options, extension))
     except ProgramError as error:
         sys.stderr.write(f"{error}\n")
         return UNREADABLE

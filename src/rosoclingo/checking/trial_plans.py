@@ -16,7 +16,7 @@ from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.progression.updates import CloseCycles, Item, Statement, StreamUpdate
 from rosoclingo.oclingo.service.arguments import TRIAL_SECONDS, TRIAL_STEPS
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
+from rosoclingo.oclingo.solving.results import SolveOutcome
 from rosoclingo.planning.explaining.explainer import explain
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.explaining.why_not import WhyNot
@@ -111,13 +111,11 @@ class Trials:
         return [self._sample(texts) for texts in kinds or sample_requests(self._program)]
 
     def _sample(self, texts: Iterable[str]) -> TrialPlan:
-        clock, trial = (
-            self._clock(),
-            TrialPlan("a sample", fault="no request can be formed from the names in the facts"),
-        )
+        stopped = self._clock()
+        trial = TrialPlan("a sample", fault="no request can be formed from the names in the facts")
         for text in texts:
             trial = self.request(text)
-            if any(map(is_action, trial.answer or ())) or clock():
+            if any(map(is_action, trial.answer or ())) or stopped():
                 break
         return trial
 
@@ -148,7 +146,8 @@ class Trials:
         try:
             result = self._solver.update(update, self._clock())
             if result.outcome is SolveOutcome.SATISFIABLE:
-                return TrialPlan(name, result.answers[-1], result.horizon, fault=_ignored(result))
+                ignored = (text for text in result.warnings if "has not been declared external" in text)
+                return TrialPlan(name, result.answers[-1], result.horizon, fault=next(ignored, ""))
             if result.outcome is SolveOutcome.INTERRUPTED:
                 return TrialPlan(name, fault=f"no plan was found in {self._seconds:g} s")
             stream = Stream(before, update, (update.bound or 0))
@@ -162,8 +161,3 @@ class Trials:
         """Return a stop that ends a search after its time limit."""
         end = time.monotonic() + self._seconds
         return lambda: time.monotonic() >= end
-
-
-def _ignored(result: SolveResult) -> str:
-    """Return the warning that a request was ignored, empty if it was accepted."""
-    return next((text for text in result.warnings if "has not been declared external" in text), "")

@@ -16,8 +16,6 @@ from rosoclingo.reasoning.keywords import FAILED, NEVER, RETURN
 _EMPTY_LAYERS = 3
 """Number of successive invisible steps before which all steps are invisible."""
 
-_NEVER = Signature(NEVER, 2)
-
 _ANSWERS = (Signature(RETURN, 3), Signature(FAILED, 3))
 
 _Literals = List[Tuple[clingo.Symbol, int]]
@@ -30,24 +28,22 @@ class Belief(NamedTuple):
     phase: Tuple[int, ...]
 
     @property
-    def has_answers(self) -> bool:
-        """Whether returns are visible."""
-        return any(signature_of(one) in _ANSWERS for one in self.atoms)
-
     def without_answers(self) -> FrozenSet[clingo.Symbol]:
-        """Return the atoms without returns."""
+        """The atoms without returns."""
         return frozenset(one for one in self.atoms if signature_of(one) not in _ANSWERS)
 
 
 class _AtomsByTime:
-    """The atoms of a grounding by time (None without one), and the visible ones by step."""
+    """The atoms of a grounding by time (None without one), the visible ones by step, and the forbidden states."""
 
     def __init__(self, grounding: Grounding, shift: TimeShift) -> None:
         self.at: Dict[Optional[int], _Literals] = {}
         self.seen: Dict[int, _Literals] = {}
+        self.never: _Literals = []
         for atom, literal in grounding.atom_literals:
             self.at.setdefault(shift.time_of(atom), []).append((atom, literal))
-        self.never = [one for one in grounding.atom_literals if signature_of(one[0]) == _NEVER]
+            if atom.match(NEVER, 2) and atom.arguments[1].type is clingo.SymbolType.Number:
+                self.never.append((atom, literal))
 
 
 class Beliefs:
@@ -72,7 +68,7 @@ class Beliefs:
         for first in (step, step - self.late):
             if first not in atoms.seen:
                 atoms.seen[first] = list(self._seen(atoms, first))
-        never = [(one, literal) for one, literal in atoms.never if _is_by(one.arguments[-1], step)]
+        never = [(one, literal) for one, literal in atoms.never if one.arguments[1].number <= step]
         return [_reader(one) for one in (atoms.seen[step], atoms.seen[step - self.late], never)]
 
     def belief(self, atoms: FrozenSet[clingo.Symbol], snapshot: Snapshot, late: int) -> Belief:
@@ -80,13 +76,10 @@ class Beliefs:
         first = snapshot.step - late
         facts = (one.head for one in snapshot.permanent if one.head is not None and not one.body)
         executed = (one for cycle, actions in snapshot.closed.items() if cycle >= first for one in actions)
-        inputs = (one for one in (*facts, *executed) if self._is_from(one, first))
-        visible = atoms.union(filter(self._is_visible, (self._shift.shift(one, -first) for one in inputs)))
+        times = ((one, self._shift.time_of(one)) for one in (*facts, *executed))
+        inputs = (self._shift.shift(one, -first) for one, time in times if time is None or time >= first)
+        visible = atoms.union(filter(self._is_visible, inputs))
         return Belief(visible, self._shift.phase(first, frozenset(map(signature_of, visible))))
-
-    def _is_from(self, fact: clingo.Symbol, first: int) -> bool:
-        time = self._shift.time_of(fact)
-        return time is None or time >= first
 
     def _seen(self, atoms: _AtomsByTime, first: int) -> Iterator[Tuple[clingo.Symbol, int]]:
         """Yield the atoms of steps before ``first`` that later rules can see, with times relative to ``first``."""
@@ -105,10 +98,6 @@ class Beliefs:
         if atom not in self._visible:
             self._visible[atom] = self._program.can_mention(atom, 0)
         return self._visible[atom]
-
-
-def _is_by(time: clingo.Symbol, step: int) -> bool:
-    return time.type is clingo.SymbolType.Number and time.number <= step
 
 
 def _reader(atoms: Sequence[Tuple[clingo.Symbol, int]]) -> Read:

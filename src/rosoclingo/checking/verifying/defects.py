@@ -66,7 +66,7 @@ class Defect(NamedTuple):
         updates = 0
         for step in self.way:
             place = f"before update {updates + 1}"
-            found += [f"{place}: {one.kind} {one.text}" for one in step.move.arrivals]
+            found += [f"{place}: {one.kind} {one.term}" for one in step.move.arrivals]
             found += [f"{place}: {one.action.atom} fails: {one.text}" for one in step.move.failures]
             updates += len(step.updates)
             found += [f"with update {updates}: {end}" for end in step.ends]
@@ -87,7 +87,7 @@ class Defect(NamedTuple):
 class Defects:
     """Collects the defect with the shortest run for each kind and interface; ``skipped`` kinds are ignored."""
 
-    def __init__(self, skipped: FrozenSet[DefectKind] = frozenset()) -> None:
+    def __init__(self, skipped: FrozenSet[DefectKind]) -> None:
         self._skipped = skipped
         self._found: Dict[Tuple[DefectKind, str], Defect] = {}
         self._usual: Set[str] = set()

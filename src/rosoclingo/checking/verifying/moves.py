@@ -22,11 +22,6 @@ class Arrival(NamedTuple):
     kind: str
     term: Symbol
 
-    @property
-    def text(self) -> str:
-        """The term as a client or sensor sends it."""
-        return str(self.term)
-
 
 class ActionEnd(NamedTuple):
     """The end of an action; ``value`` is its parameter if it succeeded."""

@@ -28,10 +28,16 @@ class Step(NamedTuple):
     ends: Tuple[str, ...] = ()
 
 
+NO_STEP = Step(Move())
+
+
 class StateNode:
     """A state of the core, with the shortest run that leads there.
 
     Attributes:
+        snapshot: the state of the core; None once it is not needed any more.
+        before: the state before the last step; None at the start.
+        last: the last step of the run.
         cost: the number of events of the run.
         length: the number of updates of the run.
         quiet: the number of updates since the last event.
@@ -48,13 +54,13 @@ class StateNode:
     """
 
     def __init__(
-        self, snapshot: Optional[CoreSnapshot], before: Optional["StateNode"] = None, step: Optional[Step] = None
+        self, snapshot: Optional[CoreSnapshot], before: Optional["StateNode"] = None, last: Step = NO_STEP
     ) -> None:
-        self.snapshot, self.before, self.step = snapshot, before, step
+        self.snapshot, self.before, self.last = snapshot, before, last
         self.cost = self.length = self.quiet = 0
-        if before is not None and step is not None:
-            self.cost, self.length = before.cost + step.move.cost, before.length + len(step.updates)
-            self.quiet = 0 if step.move.cost else before.quiet + len(step.updates)
+        if before is not None:
+            self.cost, self.length = before.cost + last.move.cost, before.length + len(last.updates)
+            self.quiet = 0 if last.move.cost else before.quiet + len(last.updates)
         self.awaited: Tuple[Action, ...] = ()
         self.goals: Tuple[str, ...] = ()
         self.due, self.calm = False, True
@@ -69,8 +75,8 @@ class StateNode:
         """The steps from the start."""
         found: List[Step] = []
         node: Optional[StateNode] = self
-        while node is not None and node.step is not None:
-            found.append(node.step)
+        while node is not None and node.before is not None:
+            found.append(node.last)
             node = node.before
         return tuple(found[::-1])
 

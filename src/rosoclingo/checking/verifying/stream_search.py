@@ -6,9 +6,7 @@ run is followed to its end. Of several runs to equal states, the search continue
 
 import heapq
 from itertools import count
-from typing import Dict, FrozenSet, Hashable, Iterable, Iterator, List, NamedTuple, Optional, Tuple
-
-from clingo import Symbol
+from typing import Dict, FrozenSet, Hashable, Iterator, List, NamedTuple, Optional, Tuple
 
 from rosoclingo.checking.verifying.beliefs import Belief, Beliefs
 from rosoclingo.checking.verifying.defects import Defect, Defects
@@ -43,14 +41,6 @@ class VerifyProgress(NamedTuple):
     moves: int
 
 
-class _Twins(NamedTuple):
-    """Two successors of one state: after success, and after the failure in ``move``."""
-
-    success: StateNode
-    failure: StateNode
-    move: Move
-
-
 class StreamSearch:
     """A search for runs that show a defect.
 
@@ -64,14 +54,17 @@ class StreamSearch:
         program: ReactiveProgram,
         repertory: Repertory,
         limits: VerifyLimits,
-        halt: Stop = lambda: False,
-        skipped: FrozenSet[DefectKind] = frozenset(),
+        halt: Stop,
+        skipped: FrozenSet[DefectKind],
     ) -> None:
         """Prepare a search; ``halt`` ends it, and so does the first depth with a defect that is not ``skipped``."""
         self._program, self._limits, self._halt = program, limits, halt
         self._beliefs = Beliefs(program, limits.late if repertory.facts else 0)
-        first = list(first_facts(program, repertory))
-        self._streams = Streams(program, first, self._beliefs.readers, halt, limits.all_plans)
+        requests = [request(one, 1) for one in repertory.goals]
+        cancels = [cancellation(one.arguments[-1], 1) for one in repertory.goals]
+        self._streams = Streams(
+            program, [*repertory.facts, *requests, *cancels], self._beliefs.readers, halt, limits.all_plans
+        )
         self._things = {one.arguments[-1] for one in repertory.goals}
         self._moves = Moves(program, repertory, limits)
         self._settings = CoreSettings(horizon_limit=limits.steps, search_timeout=0.0)
@@ -79,7 +72,7 @@ class StreamSearch:
         self._waiting: List[List[Tuple[int, int, StateNode]]] = [[] for _ in range(limits.events + 1)]
         self._found = Defects(skipped)
         self._count, self._made = count(), 0
-        self._twins: List[_Twins] = []
+        self._twins: List[Tuple[StateNode, StateNode]] = []  # successors of a state, after success and after failure
         self.defects: List[Defect] = []
 
     def run(self) -> VerifyProgress:
@@ -111,7 +104,7 @@ class StreamSearch:
             return
         node = StateNode(core.snapshot())
         self._complete(node, core)
-        self._enter(node, [self._key(node, core, late) for late in (0, self._beliefs.late)])
+        self._enter(node, self._key(node, core, self._beliefs.late))
 
     def _core_at(self, node: Optional[StateNode]) -> TrialCore:
         snapshot = None if node is None else node.snapshot
@@ -133,8 +126,7 @@ class StreamSearch:
                 if move.cost == 0:
                     successes.append(after)
                 elif not move.arrivals and len(move.failures) == 1:
-                    alike = [one for one in successes if one.step is not None and one.step.move.ends_as(move)]
-                    self._twins += [_Twins(one, after, move) for one in alike]
+                    self._twins += [(one, after) for one in successes if one.last.move.ends_as(move)]
         node.snapshot = None  # no longer needed
 
     def _successors(self, node: StateNode, move: Move) -> Iterator[StateNode]:
@@ -165,7 +157,7 @@ class StreamSearch:
         key = self._key(after, core, late)
         known = self._met.get(key)
         if known is None:
-            self._enter(after, [key, self._key(after, core, 0)])
+            self._enter(after, key)
         if move.cost == 0:
             node.onward.append((step, known or after))
         return after
@@ -173,18 +165,20 @@ class StreamSearch:
     def _complete(self, node: StateNode, core: TrialCore) -> None:
         node.awaited, node.due = core.awaited, core.due
         node.goals = tuple(str(one) for one in core.live_goals)
-        if node.before is not None and node.step is not None:
-            move = node.step.move
+        if node.before is not None:
+            move = node.last.move
             node.done = achievements_after(node.before.done, move, self._things)
             sent = all(one.kind == GOAL for one in move.arrivals)
             node.calm = node.before.calm and sent and not move.failures
         belief = self._belief(core, 0)
-        node.answers, node.now = belief.has_answers, (belief.without_answers(), _goals_of(core))
+        others = belief.without_answers
+        node.now, node.answers = (others, _goals_of(core)), others != belief.atoms
         node.state = self._key(node, core, 0)
 
-    def _enter(self, node: StateNode, keys: Iterable[Hashable]) -> None:
-        for key in keys:
-            self._met.setdefault(key, node)
+    def _enter(self, node: StateNode, key: Hashable) -> None:
+        """Let a search continue from a node, which stands for all states with its keys."""
+        for one in (key, node.state):
+            self._met.setdefault(one, node)
         heapq.heappush(self._waiting[node.cost], (node.length, next(self._count), node))
 
     def _key(self, node: StateNode, core: TrialCore, late: int) -> Hashable:
@@ -226,9 +220,9 @@ class StreamSearch:
 
     def _note_hidden_failures(self, cost: int) -> None:
         """Note the failures after which the program continues as after success in the same state."""
-        for success, failure, move in self._twins:
+        for success, failure in self._twins:
             if failure.cost <= cost and _are_alike(success, failure):
-                self._add(DefectKind.FAILURE_AS_SUCCESS, failure, move.failures[0].text)
+                self._add(DefectKind.FAILURE_AS_SUCCESS, failure, failure.last.move.failures[0].text)
 
     def _note_circles(self, cost: int) -> None:
         nodes = [one for one in set(self._met.values()) if one.cost <= cost]
@@ -251,30 +245,15 @@ def _goals_of(core: TrialCore) -> Hashable:
 
 
 def _are_alike(success: StateNode, failure: StateNode) -> bool:
-    """Return whether beliefs after failure and success are equal, or all goals ended in the same way.
+    """Return whether beliefs after failure and success are equal, or a goal succeeded and nothing is left to do.
 
     If later steps can see returns, the next states have to be equal as well.
     """
-    if _end_alike(success, failure):
+    ends = failure.last.ends if len(failure.last.move.answers) == 1 else ()
+    finished = not (failure.goals or failure.awaited or failure.due)
+    if finished and success.last.ends == ends and any(end.endswith("succeeded") for end in ends):
         return True
     if success.now != failure.now:
         return False
     matters = success.answers or failure.answers
     return not matters or any(one.now == other.now for _, one in success.onward for _, other in failure.onward)
-
-
-def _end_alike(success: StateNode, failure: StateNode) -> bool:
-    """Return whether a goal succeeded and nothing is left to do, both after failure and after success."""
-    if success.step is None or failure.step is None or len(failure.step.move.answers) != 1:
-        return False
-    finished = not (failure.goals or failure.awaited or failure.due)
-    ends = failure.step.ends
-    return finished and success.step.ends == ends and any(end.endswith("succeeded") for end in ends)
-
-
-def first_facts(program: ReactiveProgram, repertory: Repertory) -> Iterator[Symbol]:
-    """Yield the possible facts, requests and cancels, of cycle 1."""
-    yield from repertory.facts
-    for goal in repertory.goals:
-        yield request(goal, 1)
-        yield cancellation(goal.arguments[-1], 1)

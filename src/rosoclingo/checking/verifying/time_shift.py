@@ -6,7 +6,7 @@ and 9 are then equal if their atoms are, with times relative to the step. Rules 
 """
 
 from math import prod
-from typing import Dict, FrozenSet, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator
@@ -21,24 +21,12 @@ Argument = Tuple[Signature, int]
 """An argument of a predicate."""
 
 
-class TimeReading(NamedTuple):
-    """A rule that depends on the step itself.
-
-    Attributes:
-        period: the number of steps after which its behaviour repeats; 0 if it never does.
-        needs: the predicates of earlier steps without which the rule does not apply.
-
-    """
-
-    period: int
-    needs: FrozenSet[Signature]
-
-
 class TimeShift:
     """Knows which arguments of a program's predicates are times.
 
     Attributes:
-        readings: the rules that depend on the step itself.
+        readings: the rules that depend on the step itself: for each, the number of steps after which its behaviour
+            repeats (0 if it never does), and the predicates of earlier steps without which it does not apply.
         unclear: predicates with an argument that is a time in some rules only, or a term that contains one.
 
     """
@@ -46,7 +34,7 @@ class TimeShift:
     def __init__(self, parts: Sequence[Part], constants: Mapping[str, clingo.Symbol]) -> None:
         """Analyse the ``parts`` of a program with these ``constants``."""
         self.unclear: Set[Signature] = set()
-        self.readings: List[TimeReading] = []
+        self.readings: List[Tuple[int, FrozenSet[Signature]]] = []
         self._times: Set[Argument] = set()
         self._time_of: Dict[clingo.Symbol, Optional[int]] = {}
         heads = {(one.signature, bool(part.parameter)) for part in parts for _, one in part.atoms if one.head}
@@ -86,7 +74,7 @@ class TimeShift:
 
     def phase(self, step: int, visible: FrozenSet[Signature]) -> Tuple[int, ...]:
         """Return the part of ``step`` that later rules can read, given the ``visible`` predicates of earlier steps."""
-        periods = {one.period for one in self.readings if one.needs <= visible}
+        periods = {period for period, needs in self.readings if needs <= visible}
         if visible & self.unclear or 0 in periods:
             return (step,)
         return tuple(n for period in sorted(periods) for n in (period, step % period))
@@ -113,14 +101,14 @@ class TimeShift:
             if rule.degree(term, times) == ((signature, place) in self._times):
                 continue
             if signature in self._timeless:
-                self.readings.append(TimeReading(0, needs))
+                self.readings.append((0, needs))
             else:
                 self.unclear.add(signature)
         for terms, alone in _compared(rule.statement):
             degrees = [rule.degree(one, times) for one in terms]
             timed = [term for term, degree in zip(terms, degrees) if degree != 0]
             if timed and (alone or None in degrees or len(set(degrees)) > 1):
-                self.readings.append(TimeReading(prod(rule.period(one, times) for one in timed), needs))
+                self.readings.append((prod(rule.period(one, times) for one in timed), needs))
 
 
 class _Rule:

@@ -135,13 +135,13 @@ class TrialCore(Core):
     def make(self, move: Move) -> None:
         """Apply a move, up to the next answer."""
         self.events.clear()
-        for one in move.arrivals:
-            if one.kind == GOAL:
-                self.add_goal(one.text, one.text)
-            elif one.kind == CANCEL:
-                self.cancel_goal(one.text)
+        for kind, term in move.arrivals:
+            if kind == GOAL:
+                self.add_goal(str(term), str(term))
+            elif kind == CANCEL:
+                self.cancel_goal(str(term))
             else:
-                self.receive("sensor", [one.text])
+                self.receive("sensor", [str(term)])
         for answer in move.answers:
             self.receive(answer.action.interface_name, [answer.text])
         self.advance(0.0)

@@ -1,7 +1,7 @@
 """Verifies a program: explores its streams up to a depth, and reports defects and the proven depth."""
 
 import time
-from typing import Any, Callable, Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, FrozenSet, List, NamedTuple, Tuple
 
 from rosoclingo.checking.verifying.defects import Defect
 from rosoclingo.checking.verifying.likely_events import likely_repertory
@@ -83,22 +83,21 @@ class Verification(NamedTuple):
 
 def verify(
     program: ReactiveProgram,
-    selection: Optional[EventSelection] = None,
-    limits: Optional[VerifyLimits] = None,
+    selection: EventSelection,
+    limits: VerifyLimits,
     seconds: float = SECONDS,
     skipped: FrozenSet[DefectKind] = frozenset(),
-    clock: Callable[[], float] = time.process_time,
 ) -> Verification:
-    """Verify a program for ``seconds`` of the ``clock``, ignoring ``skipped`` kinds of defects.
+    """Verify a program for ``seconds`` of processor time, ignoring ``skipped`` kinds of defects.
 
     Raises SolverError, and RuntimeError from clingo.
     """
-    selection, limits, begin = selection or EventSelection(), limits or VerifyLimits(), clock()
+    begin = time.process_time()
     repertory = likely_repertory(program, selection)
-    search = StreamSearch(program, repertory, limits, lambda: clock() - begin >= seconds, skipped)
+    search = StreamSearch(program, repertory, limits, lambda: time.process_time() - begin >= seconds, skipped)
     progress = search.run()
-    end = clock()
-    defects = (_explained(program, one, lambda: clock() - end >= seconds) for one in search.defects)
+    end = time.process_time()
+    defects = (_explained(program, one, lambda: time.process_time() - end >= seconds) for one in search.defects)
     return Verification(tuple(defects), progress, repertory, limits, end - begin)
 
 

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, List, Optional
 
-from clingo import Symbol
+from clingo import String, Symbol
 
 from rosoclingo.checking.extension import CheckExtension
 from rosoclingo.checking.verifying.scope import SECONDS, DefectKind, EventSelection, VerifyLimits
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def sources(options: argparse.Namespace) -> List[Source]:
     """Return the rules for the forbidden states of ``--never``."""
     bodies = [body.strip().rstrip(".") for body in options.never]
-    rules = [f"_never({_quoted(body)},t) :- {body}.\n" for body in bodies]
+    rules = [f"_never({String(body)},t) :- {body}.\n" for body in bodies]
     return [Source("--never", "#program cumulative(t).\n" + "".join(rules), Path())] if rules else []
 
 
@@ -98,7 +98,3 @@ def _goal(text: str) -> Symbol:
 
 def _fault(message: str, remedy: str = "") -> Fault:
     return Fault("--verify", 0, 0, message, remedy)
-
-
-def _quoted(text: str) -> str:
-    return '"{}"'.format(text.replace("\\", "\\\\").replace('"', '\\"'))

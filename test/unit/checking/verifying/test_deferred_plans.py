@@ -32,7 +32,7 @@ def run_through(*states, answers=(), goals=("visit(hall)",)):
     """Return successive nodes with these states, without events."""
     nodes = []
     for state in states:
-        step = Step(Move(answers=tuple(answers)), ("an update",)) if nodes else None
+        step = Step(Move(answers=tuple(answers)), ("an update",)) if nodes else Step(Move())
         node = StateNode(None, nodes[-1] if nodes else None, step)
         node.state, node.goals = state, goals
         if nodes:

@@ -149,7 +149,7 @@ def test_verify_finds_a_defect_by_the_shortest_run_and_a_core_shows_it(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("text", [VISITS, CARRIES, ECHO, MACHINES], ids=["visits", "carries", "echo", "machines"])
 def test_verify_finds_sound_programs_clean(text):
-    verdict = verify(ReactiveProgram.from_text(text), limits=VerifyLimits(events=2, steps=8), seconds=300)
+    verdict = verify(ReactiveProgram.from_text(text), EventSelection(), VerifyLimits(events=2, steps=8), seconds=300)
     assert verdict.clean, verdict.text()
 
 
