@@ -157,7 +157,7 @@ class Robot(PooledCore):
                 (self.world.ask if goal.fed else self.world.cancel)(number)
                 self._admitted ^= {number}
         plan = {}
-        for action in sorted(self.core.plan.after(self.core.cycle - 1), key=lambda action: action.cycle):
+        for action in sorted(self.core.plan.remaining(self.core.cycle), key=lambda action: action.cycle):
             plan.setdefault(action.cycle, []).append((action.interface_name, str(action.parameter)))
         if self.core.awaited:
             check(self.world, list(plan.values()))
@@ -183,7 +183,7 @@ class Robot(PooledCore):
         self.await_standby(seconds)
         self.world.do([(one.interface_name, str(one.parameter)) for one in self.core.awaited])
         self.executed, self._now = self.executed + 1, self._now + seconds
-        self._returned = time.perf_counter() if self.core.plan.after(self.core.cycle) else None
+        self._returned = time.perf_counter() if self.core.plan.remaining(self.core.cycle + 1) else None
         self.answer()
 
     def watch(self):

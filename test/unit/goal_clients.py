@@ -1,7 +1,7 @@
 """Clients of a goal manager without a solver: their requests, the updates to the program, and the replies."""
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import GoalChanged, GoalProgress
+from rosoclingo.reasoning.events import Announcer, GoalChanged, GoalProgress
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
@@ -18,7 +18,8 @@ class Clients:
         self.feeder, self.reports, self.step = InputFeeder(), [], 0
         program = ReactiveProgram.from_text(text)
         settings = CoreSettings(goals_at_once=at_once, overtaking_limit=overtaking_limit, search_timeout=search_timeout)
-        self.goals = GoalManager(program, self.feeder, self.reports.append, lambda: 7, settings)
+        announce = Announcer(self.reports.append, lambda: 7, program.time_position)
+        self.goals = GoalManager(program, self.feeder, announce, settings)
 
     # -- events, as words of a script; goals are numbers, or ranges such as 3-8
 

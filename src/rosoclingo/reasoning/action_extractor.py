@@ -21,10 +21,6 @@ class TaskPlan(NamedTuple):
         """The actions of a cycle."""
         return tuple(action for action in self.actions if action.cycle == cycle)
 
-    def after(self, cycle: int) -> Tuple[Action, ...]:
-        """The actions after a cycle."""
-        return tuple(action for action in self.actions if action.cycle > cycle)
-
     def steps_after(self, cycle: int) -> int:
         """The number of cycles from ``cycle`` to the last action."""
         return max(0, self.actions[-1].cycle - cycle) if self.actions else 0
@@ -44,8 +40,4 @@ def extract_plan(answer: FrozenSet[Symbol]) -> TaskPlan:
             actions.append(action_of(atom))
         except KeywordError as error:
             faults.append(f"{error}; it is ignored")
-    return TaskPlan(tuple(sorted(actions, key=_order)), tuple(sorted(faults)))
-
-
-def _order(action: Action) -> Tuple[int, str]:
-    return action.cycle, str(action.atom)
+    return TaskPlan(tuple(sorted(actions, key=lambda one: (one.cycle, str(one.atom)))), tuple(sorted(faults)))

@@ -18,6 +18,7 @@ from typing import Callable, Container, List, Optional, Sequence
 
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.records import PersistentPart, fields
+from rosoclingo.reasoning.settings import CoreSettings
 
 #: Maximum patience for a goal without a plan in time, a power of two.
 MOST_PATIENCE = 8
@@ -41,8 +42,7 @@ MOST_JOINING = 1.5
 class Admission(PersistentPart):
     """Decides which of the ``live`` goals, oldest first, are queued. All others are with the program or being fed.
 
-    The program has at most ``at_once`` goals at a time. A search can take ``seconds``. 0 for no limit. Without
-    ``batches``, each goal is admitted as soon as there is room for it.
+    Without ``batches``, each goal is admitted as soon as there is room for it.
 
     Attributes:
         stuck: the number of searches in a row without a plan in time and without a goal to defer.
@@ -53,17 +53,11 @@ class Admission(PersistentPart):
     GROUP = "queue"
     FIELDS = fields(stuck=int, _room=Optional[int], _growth=float)
 
-    def __init__(
-        self,
-        live: Callable[[], List[Goal]],
-        at_once: int = 0,
-        overtaking_limit: int = 0,
-        seconds: float = 0.0,
-        batches: bool = True,
-    ) -> None:
-        self._batches = batches
-        self._live, self._limit, self._most, self._wanted = live, overtaking_limit, at_once, SHARE * seconds
-        self._room = self._first = FIRST if seconds else None
+    def __init__(self, live: Callable[[], List[Goal]], settings: CoreSettings, batches: bool) -> None:
+        self._live, self._batches = live, batches
+        self._limit, self._most = settings.overtaking_limit, settings.goals_at_once
+        self._wanted = SHARE * settings.search_timeout
+        self._room = self._first = FIRST if settings.search_timeout else None
         self._growth = FASTER
         self.stuck, self.interrupted = 0, False
 

@@ -27,7 +27,6 @@ from rosoclingo.reasoning.interface_watch import InterfaceWatch
 from rosoclingo.reasoning.keywords import CANCEL_ACTION, STATUS, Action
 from rosoclingo.reasoning.preemption import Preemption
 from rosoclingo.reasoning.preparations import Preparations
-from rosoclingo.reasoning.present import Present
 from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import PersistentPart, Record, fields, record_of
 from rosoclingo.reasoning.recovery import Recovery, forget_history, recover, settle
@@ -90,18 +89,18 @@ class Core(PersistentPart):
         watch_joining: Optional[SearchWatch] = None,
         record: Optional[Record] = None,
     ) -> None:
-        self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, Present(program.time_position))
+        self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, program.time_position)
         self._problem = self._announce.problem
         self._settings, self._watch_recovery = settings, watch_recovery
         self._planner = Planner(make_solver, settings.horizon_limit, watch, running=lambda: self._execution.running)
         self._has_status_rules = program.defines(STATUS, 3)
         self._clock = Clock(program.delay_of, program.first_step)
         self._feeder = InputFeeder(self._clock)
-        self._goals = GoalManager(program, self._feeder, observer, lambda: self.cycle, settings)
+        self._goals = GoalManager(program, self._feeder, self._announce, settings)
         learns = settings.learn_durations
-        self._execution = ExecutionMonitor(program, self._feeder, self._clock, observer, lambda: self.cycle, learns)
+        self._execution = ExecutionMonitor(program, self._feeder, self._clock, self._announce, learns)
         limits = settings.interface_timeout, settings.lost_timeout
-        self.interfaces = InterfaceWatch(program, self._execution, observer, lambda: self.cycle, *limits)
+        self.interfaces = InterfaceWatch(program, self._execution, self._announce, *limits)
         joining = None if self._execution.goes_on else watch_joining  # running actions do not wait for a plan
         self._ahead = Preparations(self._goals, self._feeder, self._execution, settings.horizon_limit, joining)
         self._preemption = Preemption(self._feeder, self._execution, program.declares_external(CANCEL_ACTION, 3))
@@ -301,7 +300,7 @@ class Core(PersistentPart):
         fed, patient = self._goals.fed, self._waits < self._planner.lookahead
         if self._unseen or self._mode is not Mode.RUNNING:
             return self._unseen
-        planned = self.plan.after(self._step)
+        planned = self.plan.remaining(self._step + 1)
         return bool(planned) or (patient and bool(fed) and self._planner.ends_later(self._step))
 
     def _next_cycle(self, now: float) -> None:
@@ -420,11 +419,10 @@ class Core(PersistentPart):
         return state._replace(situation=situation, result=result, why=self._planner.why_none(result))
 
     def _settle_failures(self, state: State) -> State:
-        settled = settle(self._planner, state.result, self._impasse(state.batch), self._execution.unhandled)
+        impasse, unhandled = self._impasse(state.batch), self._execution.unhandled
+        settled = settle(self._planner, state.result, impasse, unhandled, self._problem)
         self._planner, result = settled.planner, settled.result
         self._execution.unhandled.clear()
-        for problem in settled.problems:
-            self._problem(problem)
         if settled.recovery is None:
             for one in settled.unmet:
                 self._goals.abort(one.goal, one.text({}, ""))
@@ -507,9 +505,10 @@ class Core(PersistentPart):
         found = repair(self._planner, self._impasse(state.batch))
         if found is None:
             return None
-        no_plan, self._planner = self._planner.stream, found.planner
-        self._execution.change(found.changes, state.batch.failures)
-        return self._answered(state._replace(no_plan=no_plan), found.result)
+        no_plan = self._planner.stream
+        self._planner, result, changes = found
+        self._execution.change(changes, state.batch.failures)
+        return self._answered(state._replace(no_plan=no_plan), result)
 
     def _forget_history(self, state: State) -> Optional[State]:
         found = forget_history(self._planner, self._step, state.why, self._problem)
@@ -535,7 +534,7 @@ class Core(PersistentPart):
     def _keep_plan(self, state: State) -> Optional[State]:
         """Keep the last plan if it is still valid, deferred by the cycles without actions."""
         last = self._last_cycle - self._withheld
-        actions = [one._replace(cycle=one.cycle + self._step - last - 1) for one in self._last_plan.after(last)]
+        actions = [one._replace(cycle=one.cycle + self._step - last - 1) for one in self._last_plan.remaining(last + 1)]
         result = self._planner.solve_with(actions) if actions and not state.batch.known_goals else None
         return None if result is None else state._replace(situation=Situation.PLAN, result=result)
 

@@ -10,7 +10,7 @@ from rosoclingo.oclingo import SolveResult, StreamUpdate
 from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.reasoning.goals import Goal, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.keywords import Action
-from rosoclingo.reasoning.present import Present
+from rosoclingo.reasoning.present import Present, TimePosition
 from rosoclingo.reasoning.records import PersistentPart, Record, fields, tables
 
 
@@ -152,9 +152,10 @@ Observer = Callable[[Event], None]
 class Announcer(PersistentPart):
     """Sends the events of a core's cycles to an ``observer``.
 
-    ``cycle`` returns the logical time, ``present`` extracts beliefs from answers.
+    ``cycle`` returns the logical time, ``position`` the position of the cycle in a predicate.
 
     Attributes:
+        emit: the observer.
         published: the cycle of the last reported update.
         state: the reported beliefs, None before the first report.
 
@@ -164,11 +165,16 @@ class Announcer(PersistentPart):
     FIELDS = fields(published=int)
     TABLES = tables(_recorded=("believed", Symbol, type(None)))
 
-    def __init__(self, observer: Observer, cycle: Callable[[], int], present: Present) -> None:
-        self._emit, self._cycle, self._present = observer, cycle, present
+    def __init__(self, observer: Observer, cycle: Callable[[], int], position: TimePosition) -> None:
+        self.emit, self._cycle, self._present = observer, cycle, Present(position)
         self.state: Optional[FrozenSet[Symbol]] = None
         self._recorded: Dict[Symbol, None] = {}
         self.published = 0
+
+    @property
+    def cycle(self) -> int:
+        """The logical time."""
+        return self._cycle()
 
     def restore(self, record: Record) -> None:
         """Restore from all rows."""
@@ -184,12 +190,12 @@ class Announcer(PersistentPart):
         """Report several updates that lead to a step."""
         self.published = step
         for update in updates:
-            self._emit(UpdateSent(step, str(update)))
+            self.emit(UpdateSent(step, str(update)))
 
     def plan(self, result: SolveResult, shown: Tuple[Action, ...]) -> None:
         """Report the result of a search, and the beliefs if they have changed."""
-        cycle, seconds = self._cycle(), result.statistics
-        self._emit(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
+        cycle, seconds = self.cycle, result.statistics
+        self.emit(PlanMade(cycle, result.horizon, shown, seconds["ground"], seconds["solve"]))
         if not result.answers:
             return
         before, state = self.state or frozenset(), self._present.of(result.answers[0], cycle)
@@ -204,14 +210,14 @@ class Announcer(PersistentPart):
     def present(self) -> None:
         """Report the beliefs, if they are known."""
         if self.state is not None:
-            self._emit(StateChanged(self._cycle(), self.state))
+            self.emit(StateChanged(self.cycle, self.state))
 
     def progress(self, step: int, goals: Iterable[Goal], shown: Tuple[Action, ...], paused: bool = False) -> None:
         """Report the progress of each goal."""
         for goal in goals:
             remark = goal.remark or (Mode.PAUSED.value if paused else "")
-            self._emit(GoalProgress(step, goal.key, goal.state, shown, remark=remark))
+            self.emit(GoalProgress(step, goal.key, goal.state, shown, remark=remark))
 
     def problem(self, message: str, origin: str = "") -> None:
         """Report a problem."""
-        self._emit(Problem(self._cycle(), message, origin))
+        self.emit(Problem(self.cycle, message, origin))

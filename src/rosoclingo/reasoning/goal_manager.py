@@ -1,13 +1,13 @@
 """The goal manager: it checks the goals of clients, passes them to the feeder and ends them with a reason."""
 
-from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence
+from typing import Container, Dict, Iterable, List, Optional, Sequence
 
 from clingo import Symbol
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.reasoning.admission import Admission
-from rosoclingo.reasoning.events import Event, GoalChanged, GoalProgress, Problem
+from rosoclingo.reasoning.events import Announcer, GoalChanged, GoalProgress
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import Goal, GoalError, GoalEvent, GoalState, Outcome, read_goal
 from rosoclingo.reasoning.input_feeder import InputFeeder, requests_of
@@ -18,7 +18,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 
 
 class GoalManager(PersistentPart):
-    """The goals of all clients. ``emit`` receives an event for each change, ``cycle`` returns the logical time.
+    """The goals of all clients. ``announce`` reports each change.
 
     Attributes:
         queue: the admission, which decides which goals the program has and which are queued.
@@ -32,23 +32,15 @@ class GoalManager(PersistentPart):
         self,
         program: ReactiveProgram,
         feeder: InputFeeder,
-        emit: Callable[[Event], None],
-        cycle: Callable[[], int],
+        announce: Announcer,
         settings: CoreSettings,
     ) -> None:
         self._program, self._relevance = program, RelevanceAnalysis.of(program)
         self._feeder = feeder
-        self._emit = emit
-        self._cycle = cycle
+        self._announce = announce
         self._goals: Dict[str, Goal] = {}  # the live goals by their handles, oldest first
         self._now = 0.0
-        self.queue = Admission(
-            lambda: list(self._goals.values()),
-            settings.goals_at_once,
-            settings.overtaking_limit,
-            settings.search_timeout,
-            batches=not program.actions_go_on,
-        )
+        self.queue = Admission(lambda: self.live, settings, batches=not program.actions_go_on)
 
     @property
     def live(self) -> List[Goal]:
@@ -74,7 +66,7 @@ class GoalManager(PersistentPart):
             self._check_unique(goal)
         except GoalError as error:
             rejected = GoalEvent.REJECT, GoalState.REJECTED, Outcome.REJECTED
-            self._emit(GoalChanged(self._cycle(), key, *rejected, str(error)))
+            self._announce.emit(GoalChanged(self._announce.cycle, key, *rejected, str(error)))
             return
         self._goals[key], goal.waits, goal.observer = goal, True, self._changed
         self._feeder.arrivals += 1
@@ -87,7 +79,7 @@ class GoalManager(PersistentPart):
 
     def _check_relevant(self, goal: Goal) -> None:
         """Raise GoalError for a goal that no rule can see; it would count as met without a plan."""
-        requests = [request(goal.term, self._cycle() + ahead) for ahead in (1, 2)]  # 1 before the first update
+        requests = [request(goal.term, self._announce.cycle + ahead) for ahead in (1, 2)]  # 1 before the first update
         if not any(map(self._relevance.is_relevant, requests)):
             advice = shortened(self._relevance.advice(requests[0]), 2 * SHOWN)
             raise GoalError(f"no rule of the program can see {goal}: {advice}")
@@ -126,7 +118,7 @@ class GoalManager(PersistentPart):
     def read(self, reading: Reading) -> None:
         """Update the states of the program's goals from an answer; report its faults."""
         for fault in reading.faults:
-            self._emit(Problem(self._cycle(), fault))
+            self._announce.problem(fault)
         for goal in self.fed:
             update_status(goal, reading)
             if goal.refused:
@@ -225,7 +217,7 @@ class GoalManager(PersistentPart):
     def report_wait(self, goals: Iterable[Goal], why: str) -> None:
         """Report why goals wait."""
         for goal in goals:
-            self._emit(GoalProgress(self._cycle(), goal.key, goal.state, (), waits=why))
+            self._announce.emit(GoalProgress(self._announce.cycle, goal.key, goal.state, (), waits=why))
 
     # -- changes of goals
 
@@ -234,7 +226,7 @@ class GoalManager(PersistentPart):
             self.queue.end(goal)
             del self._goals[goal.key]
             self._admit()
-        self._emit(GoalChanged(self._cycle(), goal.key, event, goal.state, goal.outcome, goal.message))
+        self._announce.emit(GoalChanged(self._announce.cycle, goal.key, event, goal.state, goal.outcome, goal.message))
 
     def _admit(self) -> None:
         """Feed the goals that are admitted now."""

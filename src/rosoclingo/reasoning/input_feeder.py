@@ -59,9 +59,9 @@ class Batch(NamedTuple):
     first: Optional["Batch"] = None
 
     @property
-    def goals(self) -> Tuple[Goal, ...]:
+    def goals(self) -> List[Goal]:
         """The new goals of the update."""
-        return tuple(item for item in self.requests if isinstance(item, Goal))
+        return goals_of(self.requests)
 
     @property
     def known_goals(self) -> List[Goal]:
@@ -377,7 +377,10 @@ class InputFeeder(PersistentPart):
     ) -> Batch:
         done, facts = tuple(executed), tuple(facts)
         turns = _turns(facts)
-        step += self._further_cycles(turns, step)
+        most = max(turns.values(), default=0)
+        if most:
+            first_ones = (fact for fact, turn in turns.items() if turn == most)
+            step += most + any(self._clock.is_too_early(fact, step) for fact in first_ones)
         dated = (self._dated(fact, step - turns.get(fact.atom, 0), first_open) for fact in facts)
         seen = tuple(_in_order(sorted(dated, key=lambda fact: -turns.get(fact.sent, 0)), done))
         items: List[Item] = [Expire(first_open)] if first_open > 0 else []
@@ -386,12 +389,6 @@ class InputFeeder(PersistentPart):
         items += [Statement(self._request(item, step)) for item in requests]
         items += [Statement(atom) for atom in dict.fromkeys(one.atom for one in seen)]
         return Batch(StreamUpdate(step=step, items=tuple(items)), tuple(requests), seen)
-
-    def _further_cycles(self, turns: Mapping[Symbol, int], step: int) -> int:
-        """Return the number of cycles from ``step`` until the last facts take effect; see :func:`_turns`."""
-        most = max(turns.values(), default=0)
-        first_ones = (fact for fact, turn in turns.items() if turn == most)
-        return most + (most > 0 and any(self._clock.is_too_early(fact, step) for fact in first_ones))
 
     def _dated(self, fact: Observation, step: int, first_open: int) -> Observation:
         cycle = None if fact.is_return else self._clock.cycle_of(fact.atom)
@@ -402,6 +399,11 @@ class InputFeeder(PersistentPart):
     @staticmethod
     def _request(item: Request, step: int) -> Symbol:
         return request(item.term, step + 1) if isinstance(item, Goal) else cancellation(item, step)
+
+
+def goals_of(requests: Iterable[Request]) -> List[Goal]:
+    """Return the goals among ``requests``."""
+    return [one for one in requests if isinstance(one, Goal)]
 
 
 def requests_of(goals: Iterable[Goal]) -> FrozenSet[Symbol]:

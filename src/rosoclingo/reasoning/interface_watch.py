@@ -1,12 +1,12 @@
 """The watch over the interfaces: which robots are lost because an interface is silent, and which are back."""
 
-from typing import Callable, Dict, FrozenSet, List, Set, Tuple
+from typing import Dict, FrozenSet, List, Set, Tuple
 
 from clingo import Function, String, Symbol
 
 from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_term
 from rosoclingo.planning.history import robots_of
-from rosoclingo.reasoning.events import ActionsPreempted, Event, Problem
+from rosoclingo.reasoning.events import ActionsPreempted, Announcer
 from rosoclingo.reasoning.interface_register import MOST_NAMES
 from rosoclingo.reasoning.keywords import BACK, INTERFACE_LOST, LOST, NOW, Action
 from rosoclingo.reasoning.records import PersistentPart, fields
@@ -33,12 +33,11 @@ class InterfaceWatch(PersistentPart):
         self,
         program: ReactiveProgram,
         execution: ExecutionMonitor,
-        emit: Callable[[Event], None],
-        cycle: Callable[[], int],
+        announce: Announcer,
         timeout: float,
         lost_timeout: float,
     ) -> None:
-        self._execution, self._emit, self._cycle = execution, emit, cycle
+        self._execution, self._announce = execution, announce
         self._timeout = timeout if program.declares_external(LOST, 2) else 0.0
         self._reports_back = program.declares_external(BACK, 2)
         self._lost_timeout = lost_timeout
@@ -69,7 +68,7 @@ class InterfaceWatch(PersistentPart):
             late = tuple(one for one in self._failed if one.interface_name == interface)
             self._failed = [one for one in self._failed if one not in late]
             if late:
-                self._emit(ActionsPreempted(self._cycle(), late))
+                self._announce.emit(ActionsPreempted(self._announce.cycle, late))
             if robot_of(interface) not in self.lost and self._reports_back:
                 self._report(BACK, robot_of(interface), f"{interface} is heard again")
 
@@ -87,9 +86,6 @@ class InterfaceWatch(PersistentPart):
                 self._silent.add(interface)
                 if not known:
                     self._report(LOST, robot_of(interface), f"{interface} has been silent for {self._timeout:g} s")
-        self._fail_actions()
-
-    def _fail_actions(self) -> None:
         running = [one for one in self._execution.awaited if one.interface_name in self._silent]
         self._since = {action: self._since.get(action, self._time) for action in running}
         late = [one for one, since in self._since.items() if 0 < self._lost_timeout <= self._time - since]
@@ -97,7 +93,7 @@ class InterfaceWatch(PersistentPart):
         self._failed += late
 
     def _report(self, name: str, robot: Symbol, why: str) -> None:
-        self._emit(Problem(self._cycle(), f"{name}({robot},{NOW}): {why}", str(robot)))
+        self._announce.problem(f"{name}({robot},{NOW}): {why}", str(robot))
         self._execution.receive(str(robot), [str(Function(name, [robot, NOW]))])
 
     @property

@@ -93,9 +93,10 @@ class LogThrottle:
     def _forget(self, now: float) -> None:
         """End past periods, and count their suppressed problems."""
         for key in [key for key, bucket in self._buckets.items() if now - bucket.since >= QUIET]:
-            bucket = self._buckets.pop(key)
+            (origin, kind), bucket = key, self._buckets.pop(key)
+            whose = "of this kind" if kind else f"from '{origin}'" if origin else "of the core's own"
             if bucket.unlogged:
-                self._counted.append(f"{bucket.unlogged} more {_whose(*key)} in a minute, the last: {bucket.latest}")
+                self._counted.append(f"{bucket.unlogged} more {whose} in a minute, the last: {bucket.latest}")
 
 
 def _kind_of(text: str) -> str:
@@ -104,9 +105,3 @@ def _kind_of(text: str) -> str:
     while text != before:
         text, before = _INNERMOST.sub("", text), text
     return text or "?"
-
-
-def _whose(origin: str, kind: str) -> str:
-    if kind:
-        return "of this kind"
-    return f"from '{origin}'" if origin else "of the core's own"

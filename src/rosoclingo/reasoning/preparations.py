@@ -8,13 +8,13 @@ cancellation whose plan came too late has more time at its next cycle, so that t
 Without new requests, the standby worker prefetches the answer to a failure.
 """
 
-from typing import Iterable, List, NamedTuple, Optional, Tuple
+from typing import Iterable, NamedTuple, Optional, Tuple
 
 from rosoclingo.oclingo import StreamUpdate
 from rosoclingo.reasoning.action_extractor import TaskPlan
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goals import Goal
-from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request
+from rosoclingo.reasoning.input_feeder import Batch, InputFeeder, Request, goals_of
 from rosoclingo.reasoning.returns import ExecutionMonitor
 from rosoclingo.reasoning.stream_planner import Planner, SearchWatch, steps_for
 
@@ -130,8 +130,9 @@ class Preparations:
                 self._cycles = 1
             return rest if goes_on and self._is_late(planner, batch, rest) else batch
         if step == self.join.cycle:
-            in_time = goes_on and self._has_plan(self.join, planner)
-            if in_time or not goes_on:
+            late = self._cycles > 1 and not all(isinstance(one, Goal) for one in self.join.requests)
+            whole, waits = self.join.whole, range(LATE_PATIENCE if late else 1)
+            if not goes_on or any(planner.has_prepared(whole, self._watch) for _ in waits):
                 return self._complete(self.join)
             self._cycles, self.join = 2 * len(self.join.updates), None
             self._begin_join(planner, plan, step, planner.lookahead)
@@ -176,11 +177,6 @@ class Preparations:
             self._goals.report_wait(goals_of(requests), f"it joins the plan in cycle {last}")
         return True
 
-    def _has_plan(self, join: Join, planner: Planner) -> bool:
-        """Wait for the plan with the requests that join now; return whether it was found in time."""
-        late = self._cycles > 1 and not all(isinstance(one, Goal) for one in join.requests)
-        return any(planner.has_prepared(join.whole, self._watch) for _ in range(LATE_PATIENCE if late else 1))
-
     def _complete(self, join: Join) -> Batch:
         """Return the update in which requests join."""
         self.join, self._cycles = None, max(1, 3 * self._cycles // 4)
@@ -199,8 +195,3 @@ class Preparations:
         new = [one for one in self._feeder.requests if one not in join.requests]
         soon = len(join.updates) == 1 or not all(isinstance(one, Goal) for one in new)
         return planner is not join.planner or not set(join.requests).issubset(waiting) or (bool(new) and soon)
-
-
-def goals_of(requests: Iterable[Request]) -> List[Goal]:
-    """Return the goals among ``requests``."""
-    return [one for one in requests if isinstance(one, Goal)]

@@ -94,7 +94,6 @@ class Settlement(NamedTuple):
     Attributes:
         planner: the planner to continue with.
         result: its result.
-        problems: messages about the failures that no rule depends on.
         unmet: the goals that rest on the failed actions.
         recovery: a plan without these goals, None if there is none or the plan is complete.
 
@@ -102,7 +101,6 @@ class Settlement(NamedTuple):
 
     planner: Planner
     result: SolveResult
-    problems: Tuple[str, ...]
     unmet: Tuple[UnmetGoal, ...] = ()
     recovery: Optional[Recovery] = None
 
@@ -112,9 +110,15 @@ UNHEARD, CONTRADICTS = "which no rule of the program uses", "which contradicts t
 
 
 def settle(
-    planner: Planner, result: SolveResult, impasse: Impasse, unhandled: Sequence[UnhandledFailure]
+    planner: Planner,
+    result: SolveResult,
+    impasse: Impasse,
+    unhandled: Sequence[UnhandledFailure],
+    problem: Callable[[str], None],
 ) -> Settlement:
     """Find the goals that rest on actions whose failures the program cannot handle; these goals are not met.
+
+    Failures that no rule uses are reported to ``problem``.
 
     The actions count as not done if this leaves an answer. A goal rests on them if the program had the goal before, and
     each plan for it tries such an action again. If the actions count as done, or the plan has no actions left, all
@@ -125,20 +129,20 @@ def settle(
     other = _undo(planner, unheard) if unheard else None
     planner, result = other or (planner, result)
     undone = all(other is not None if one.undone is None else one.undone for one in unhandled)
-    counted = "not done" if other is not None else "done"
-    problems = tuple(f"{one}, {UNHEARD}: it counts as {counted}" for one in unheard)
+    for one in unheard:
+        problem(f"{one}, {UNHEARD}: it counts as {'not done' if other is not None else 'done'}")
     failed = frozenset((one.interface, one.parameter) for each in failures for one in each.actions)
     last = max(one.cycle for one in failures) + 1
     resting = [goal for goal in impasse.goals if (goal.request_cycle or 0) <= last]
     step, answers = impasse.step - 1, result.answers
     left = not answers or bool(extract_plan(answers[0]).remaining(step))
     if not resting or (undone and left and _goes_on(result, step, failed)):
-        return Settlement(planner, result, problems)
+        return Settlement(planner, result)
     found = _without_failed(planner, impasse, resting, failed, keeps=undone) if left else None
     gone = found[1] if found is not None else resting
     note = UNHEARD if unhandled[0].undone is None else CONTRADICTS
     unmet = tuple(UnmetGoal(goal, observations=failures, note=note) for goal in gone)
-    return Settlement(planner, result, problems, unmet, None if found is None else found[0]._replace(unmet=unmet))
+    return Settlement(planner, result, unmet, None if found is None else found[0]._replace(unmet=unmet))
 
 
 def _undo(planner: Planner, failures: Sequence[Observation]) -> Optional[Tuple[Planner, SolveResult]]:

@@ -14,7 +14,7 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 import clingo
 from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
 
-from rosoclingo.oclingo.program.literals import fixed_signatures, mentions, names_in
+from rosoclingo.oclingo.program.literals import fixed_signatures, is_plain_atom, mentions, names_in
 from rosoclingo.oclingo.program.nodes import Node, parse
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.patterns import FAR, Pattern
@@ -164,11 +164,10 @@ class RelevanceAnalysis:
 
     def _relay(self, statement: Node) -> Optional[Node]:
         """Return the head of a rule that only derives an atom for other rules; None for any other statement."""
-        head = statement.head if statement.ast_type == ASTType.Rule else None
-        if head is None or head.ast_type != ASTType.Literal or head.atom.ast_type != ASTType.SymbolicAtom:
+        if statement.ast_type != ASTType.Rule or not is_plain_atom(statement.head):
             return None
-        term = head.atom.symbol
-        plain = head.sign == Sign.NoSign and term.ast_type == ASTType.Function and not term.name.startswith("_")
+        term = statement.head.atom.symbol
+        plain = term.ast_type == ASTType.Function and not term.name.startswith("_")
         return term if plain and term_signature(term) in self._used else None
 
     @cached_property
@@ -205,7 +204,7 @@ class RelevanceAnalysis:
         bound = set(names_in(term))
         timeless = [one for one in row if not (parameter and mentions(one, parameter))]
         atoms = [one for one in timeless if _is_atom(one) and self._restricts(one.atom.symbol)]
-        kept = [one for one in atoms if one.sign == Sign.NoSign]
+        kept = list(filter(is_plain_atom, atoms))
         bound.update(name for one in kept for name in names_in(one))
         literals = [one for one in timeless if one.ast_type == ASTType.Literal]
         compared = [one for one in literals if one.atom.ast_type == ASTType.Comparison]
@@ -266,7 +265,7 @@ class RelevanceAnalysis:
         found: List[Misfit] = []
         for place, seen in self._excluding_rules(atom) or ():
             values = dict(bindings(place.term, seen))
-            for literal in (one for one in place.kept if _is_atom(one) and one.sign == Sign.NoSign):
+            for literal in filter(is_plain_atom, place.kept):
                 for position, one in enumerate(arguments_of(literal.atom.symbol)):
                     if one.ast_type == ASTType.Variable and one.name in values:
                         table = self._table(term_signature(literal.atom.symbol)) or ()

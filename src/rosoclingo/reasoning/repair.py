@@ -48,12 +48,8 @@ class Change(NamedTuple):
         return f"{one.sent}{origin} {'contradicts' if self.sure else 'possibly contradicts'} {denied}: {now}"
 
 
-class Repair(NamedTuple):
-    """The ``result`` of a repaired update on ``planner``, and the ``changes`` of its observations."""
-
-    planner: Planner
-    result: SolveResult
-    changes: Tuple[Change, ...]
+Repair = Tuple[Planner, SolveResult, Tuple[Change, ...]]
+"""The planner with the repaired update, its result, and the changes of observations."""
 
 
 def repair(planner: Planner, impasse: Impasse) -> Optional[Repair]:
@@ -90,7 +86,8 @@ class _Finder:
         every = (*earlier, *(one for one in (*new, *old) if one.is_return))
         alone = tuple(one._replace(actions=()) if one.is_return else one for one in every)
         heads = sorted(one for one in self._planner.last_update.heads if one is not None)
-        cancels = (Observation(one, self._step) for one in heads if _is_cancel(one))
+        requests = (one for one in heads if is_keyword(one, REQUEST))
+        cancels = (Observation(one, self._step) for one in requests if is_keyword(one.arguments[0], CANCEL))
         pools = [tuple(one for one in facts if self._is_late(one)), facts, earlier, every, alone, (*alone, *cancels)]
         for number, pool in enumerate(pools):
             if pool and pool not in pools[:number]:
@@ -125,7 +122,7 @@ class _Finder:
             planner, result = self._planner.corrected(facts_of(doubted), moved.values())
         except SolverError:
             raise UndecidedError from None
-        return Repair(planner, result, tuple(changes))
+        return planner, result, tuple(changes)
 
     def _move(self, doubted: Sequence[Observation]) -> Dict[Observation, Symbol]:
         """Redate late facts to the present if that leaves an answer; return them with their new facts."""
@@ -191,7 +188,3 @@ class _Finder:
         if any(reply.satisfiable is None for reply in replies):
             raise UndecidedError
         return Reply(False, core=frozenset().union(*(reply.core for reply in replies)))
-
-
-def _is_cancel(atom: Symbol) -> bool:
-    return is_keyword(atom, REQUEST) and is_keyword(atom.arguments[0], CANCEL)

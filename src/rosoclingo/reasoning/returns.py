@@ -4,7 +4,6 @@ import math
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import (
-    Callable,
     Container,
     Dict,
     FrozenSet,
@@ -23,7 +22,7 @@ from rosoclingo.oclingo import ProgressionError, ReactiveProgram, parse_atom
 from rosoclingo.oclingo.solving.results import is_ignored
 from rosoclingo.planning.return_rules import may_heed
 from rosoclingo.reasoning.durations import Durations
-from rosoclingo.reasoning.events import Event, Problem, ReturnAccepted
+from rosoclingo.reasoning.events import Announcer, ReturnAccepted
 from rosoclingo.reasoning.input_feeder import Clock, InputFeeder
 from rosoclingo.reasoning.keywords import (
     FAILURE,
@@ -208,15 +207,13 @@ class ExecutionMonitor(PersistentPart):
         program: ReactiveProgram,
         feeder: InputFeeder,
         clock: Clock,
-        emit: Callable[[Event], None],
-        cycle: Callable[[], int],
+        announce: Announcer,
         learns: bool = True,
     ) -> None:
         """Pass facts to ``feeder``; if ``learns``, state durations to a program that declares ``_takes(A,P,S)``."""
         self._program = program
         self._feeder = feeder
-        self._emit = emit
-        self._cycle = cycle
+        self._announce = announce
         self._clock = clock
         self._known: Dict[Symbol, None] = {}
         self._text = 0  # number of characters of the waiting facts
@@ -266,16 +263,14 @@ class ExecutionMonitor(PersistentPart):
         awaited = self.awaited
         if not awaited or (len(awaited) > 1 and not self.goes_on):
             return None
-        action = min(awaited, key=self._expected_end)
+        expected = ((one, self.durations.expected(one)) for one in awaited)
+        ends = {one: self._dispatch_of(one).started + seconds for one, seconds in expected if seconds is not None}
+        action = min(awaited, key=lambda one: ends.get(one, math.inf))
         if succeeds or len(awaited) > 1:
             return action, success_of(self.present(action))
         returns = (return_of(one.atom) for one in reversed(self.observations) if one.actions)
         reason = next((one.value for one in returns if one.interface == action.interface), FAILURE)
         return action, self._failure(action, reason)
-
-    def _expected_end(self, action: Action) -> float:
-        seconds = self.durations.expected(action)
-        return math.inf if seconds is None else self._dispatch_of(action).started + seconds
 
     def _dispatch_of(self, action: Action) -> Dispatch:
         return next(one for one in self._dispatches if one.cycle == action.cycle)
@@ -332,7 +327,8 @@ class ExecutionMonitor(PersistentPart):
             with self._guarded(origin, text):
                 self._take(origin, _read(text), len(text), message)
         if len(facts) > MOST_FACTS:
-            self._emit(Problem(self._cycle(), too_many_facts(len(facts), origin), origin))
+            text = f"a message from '{origin}' has {len(facts)} facts, only the first {MOST_FACTS} are accepted"
+            self._announce.problem(f"{text}: send several messages", origin)
 
     def expire(self, now: float, limit: float) -> None:
         """Fail actions that have not returned within ``limit`` seconds, 0 waits for ever; learn durations."""
@@ -350,7 +346,7 @@ class ExecutionMonitor(PersistentPart):
             failing = [one for one in actions if one.cycle == dispatch.cycle]
             before, answers = dispatch.certain, dispatch.fail(failing, reason)
             for one in failing:
-                self._emit(Problem(self._cycle(), f"{one.atom} {why}: it counts as failed", one.interface_name))
+                self._announce.problem(f"{one.atom} {why}: it counts as failed", one.interface_name)
             for answer in self._fresh(dispatch, before, answers):
                 with self._guarded(answer.interface_name, str(answer.atom)):
                     self._feed_return(answer.interface_name, answer, dispatch)
@@ -384,7 +380,7 @@ class ExecutionMonitor(PersistentPart):
             yield
         except (ProgressionError, KeywordError, ReturnError) as error:
             message = f"'{shortened(text)}' from '{origin}' is ignored: {error}"
-            self._emit(Problem(self._cycle(), message, origin))
+            self._announce.problem(message, origin)
 
     def _take(self, origin: str, atom: Symbol, size: int, message: int) -> None:
         """Accept a fact; raises KeywordError for a malformed return, and ReturnError for a rejected fact."""
@@ -397,7 +393,7 @@ class ExecutionMonitor(PersistentPart):
                 raise ReturnError(f"{self._feeder.waiting} facts already wait for the next update")
             if size > SHORT or not self._is_known(atom):
                 self._text += size
-                self._feeder.add_fact(atom, origin, self._cycle(), message)
+                self._feeder.add_fact(atom, origin, self._announce.cycle, message)
 
     def _take_return(self, origin: str, answer: Return) -> None:
         """Accept a return; raises ReturnError if it matches no running action."""
@@ -425,7 +421,7 @@ class ExecutionMonitor(PersistentPart):
                 self._observe(fact)
             if fact.outdated:
                 text = f"{fact.sent} from interface {fact.origin} is too late: it is redated to {fact.atom}"
-                self._emit(Problem(self._cycle(), text))
+                self._announce.problem(text)
 
     def change(self, changes: Sequence[Change], failures: Iterable[Observation]) -> None:
         """Redate or withhold observations; ``failures`` are the failures of the last update."""
@@ -436,7 +432,7 @@ class ExecutionMonitor(PersistentPart):
         self.observations = tuple(one for one in self.observations if one.atom not in changed)
         self._observe(*(one.observation._replace(atom=one.redated) for one in changes if one.redated is not None))
         for one in changes:
-            self._emit(Problem(self._cycle(), str(one), one.observation.origin))
+            self._announce.problem(str(one), one.observation.origin)
 
     def has_unhandled(self, failures: Sequence[Observation], warnings: Sequence[str]) -> bool:
         """Return whether there are unhandled failures, including failures that ``warnings`` report as ignored."""
@@ -473,9 +469,9 @@ class ExecutionMonitor(PersistentPart):
     def _feed_return(self, origin: str, answer: Return, dispatch: Dispatch) -> None:
         """Feed a return that has been recorded."""
         atom = self._as_fed(answer, dispatch.subjects(answer)).atom
-        self._emit(ReturnAccepted(self._cycle(), atom))
+        self._announce.emit(ReturnAccepted(self._announce.cycle, atom))
         self._check(atom)
-        self._feeder.add_fact(atom, origin, self._cycle())
+        self._feeder.add_fact(atom, origin, self._announce.cycle)
 
     def _check(self, atom: Symbol) -> None:
         """Raise ReturnError if ``atom`` is a reserved keyword or not an external of the program."""
@@ -484,12 +480,6 @@ class ExecutionMonitor(PersistentPart):
             raise ReturnError("{}/{} is reserved for the core and the program".format(*signature))
         if not self._program.declares_external(*signature):
             raise ReturnError("the program declares no external {}/{}".format(*signature))
-
-
-def too_many_facts(number: int, origin: str) -> str:
-    """Return the text of the problem that a message has too many facts."""
-    limit = f"only the first {MOST_FACTS} are accepted"
-    return f"a message from '{origin}' has {number} facts, {limit}: send several messages"
 
 
 def _read(text: str) -> Symbol:

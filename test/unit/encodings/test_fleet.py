@@ -95,12 +95,12 @@ class Fleet(Driver):
 
     def ungiven(self):
         """Return the waiting packages that no robot is to pick up in the plan, nor picks up."""
-        planned = [_words(one) for one in self.core.plan.after(self.core.cycle - 1)]
+        planned = [_words(one) for one in self.core.plan.remaining(self.core.cycle)]
         return set(self.world.waiting) - {what for _, verb, what in planned if verb == "pickup"}
 
     def superfluous(self):
         """Return the planned actions without which the rest of the plan still serves all packages."""
-        planned = self.core.plan.after(self.core.cycle)
+        planned = self.core.plan.remaining(self.core.cycle + 1)
         return [one for one in planned if self._serves([other for other in planned if other != one])]
 
     def _serves(self, actions):

@@ -7,6 +7,7 @@ import pytest
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.action_extractor import TaskPlan
+from rosoclingo.reasoning.events import Announcer
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goal_status import Reading, update_status
 from rosoclingo.reasoning.goals import TERMINAL, GoalEvent, GoalState, Outcome
@@ -29,7 +30,8 @@ def table():
 def a_goal(state):
     """Return a goal manager with a fed goal in a state, the goal's states from then on, and the manager."""
     events = []
-    manager = GoalManager(PROGRAM, InputFeeder(), events.append, lambda: 5, CoreSettings())
+    announce = Announcer(events.append, lambda: 5, PROGRAM.time_position)
+    manager = GoalManager(PROGRAM, InputFeeder(), announce, CoreSettings())
     manager.add("key", "go(1)")
     goal = manager.live[0]
     goal.request_cycle = 4

@@ -44,7 +44,9 @@ def driver():
 
 def rest(driver):
     """Return the actions that are planned for later, with their cycles counted from the present one."""
-    return [(str(one.parameter), one.cycle - driver.core.cycle) for one in driver.core.plan.after(driver.core.cycle)]
+    return [
+        (str(one.parameter), one.cycle - driver.core.cycle) for one in driver.core.plan.remaining(driver.core.cycle + 1)
+    ]
 
 
 def improve(driver):

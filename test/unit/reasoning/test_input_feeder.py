@@ -101,7 +101,7 @@ def test_feeder_makes_the_expected_update(row):
 def test_feeder_dates_a_goal_with_its_request():
     feeder = perform(Feeder(), "goal g(1); next 1 _request(g(1),2).")
     first = feeder.goals["g(1)"]
-    assert feeder.batch.goals == (first,)
+    assert feeder.batch.goals == [first]
     assert not first.fed
     feeder.take()
     assert first.request_cycle == 2

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom, parse_term
-from rosoclingo.reasoning.events import ActionsPreempted
+from rosoclingo.reasoning.events import ActionsPreempted, Announcer
 from rosoclingo.reasoning.interface_watch import InterfaceWatch, robot_of
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.settings import CoreSettings
@@ -145,7 +145,8 @@ def test_watch_agrees_with_simple_model_across_restarts(steps, timeout, lost_tim
     program, execution, events = ReactiveProgram.from_text(ROBOTS), Execution(["work(r1),1", "work(r2),1"]), []
 
     def start():
-        return InterfaceWatch(program, execution, events.append, lambda: 3, timeout, lost_timeout)
+        announce = Announcer(events.append, lambda: 3, program.time_position)
+        return InterfaceWatch(program, execution, announce, timeout, lost_timeout)
 
     watch, wall, time, silent, expected = start(), 50.0, 0.0, {}, []
     heard = {one.interface_name: time for one in execution.awaited}

@@ -101,7 +101,7 @@ class Run:
     @property
     def plan(self):
         """Return the steps of the plan from the present one on."""
-        return steps_of(self.core.plan.after(self.core.cycle - 1))
+        return steps_of(self.core.plan.remaining(self.core.cycle))
 
     @property
     def aborted(self):

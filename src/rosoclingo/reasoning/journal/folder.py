@@ -159,14 +159,11 @@ def tidy(shelf: Path, now: float) -> None:
     Journals in use, folders with other files and files that cannot be removed stay.
     """
     with contextlib.suppress(OSError):
-        found = sorted(((_last_written(one), one) for one in shelf.iterdir() if (one / "lock").exists()), reverse=True)
-        for written, one in found[STAY:]:
+        folders = (one for one in shelf.iterdir() if (one / "lock").exists())
+        found = ((max(file.stat().st_mtime for file in one.iterdir()), one) for one in folders)
+        for written, one in sorted(found, reverse=True)[STAY:]:
             if now - written > YOUNG:
                 _remove(one)
-
-
-def _last_written(folder: Path) -> float:
-    return max(one.stat().st_mtime for one in folder.iterdir())
 
 
 def _remove(path: Path) -> None:
