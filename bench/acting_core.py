@@ -19,11 +19,6 @@ MOST_IDLE = 600
 """Limit of seconds without an action: the core defers updates that its solver could not accept."""
 
 
-def processor_clock(pid):
-    """Return the clock of the processor time of a process, like clock_getcpuclockid(3) on Linux."""
-    return (~pid << 3) | 2
-
-
 class PooledCore:
     """A core whose solver runs in worker processes.
 
@@ -69,7 +64,7 @@ class PooledCore:
     def await_standby(self, seconds):
         """Wait until the standby worker has its answer or has used some ``seconds`` of processor time."""
         if self.process.is_prefetching:
-            clock = processor_clock(self.process.standby_pid)
+            clock = (~self.process.standby_pid << 3) | 2  # as clock_getcpuclockid(3) on Linux
             begin = time.clock_gettime(clock)
             while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
                 time.sleep(0.01)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the journal of a long run: its size, the time to resume from it and the time to write it.
+"""Measures the journal of a long run: its size, and the time to resume from it.
 
 The core runs without ROS, with the program of the office and its solver in the same process. Each action returns at
 once, one in twenty with a failure. At intervals, a second core resumes from the file, as if the first one had been
@@ -33,22 +33,6 @@ def office_goal(source, number):
     """Return a random goal for the row of four offices."""
     start, end = source.sample(range(1, 5), 2)
     return f"goal(office{start},office{end},{number})"
-
-
-class TimedJournal(Journal):
-    """A journal that measures the processor time and the wall time of its writes."""
-
-    spent, passed, count = 0.0, 0.0, 0
-
-    def write(self, *state_and_times):
-        """Write the state."""
-        start, begun = time.process_time(), time.perf_counter()
-        super().write(*state_and_times)
-        self.spent += time.process_time() - start
-        self.passed += time.perf_counter() - begun
-        self.count += 1
-        if self.fault:
-            raise SystemExit(self.fault)
 
 
 class Run:
@@ -94,7 +78,7 @@ def first_answer(program, path, text):
 
 def play(program, goals, every, path):
     """Play all goals in the journal folder ``path``; yield the figures at intervals."""
-    journal, source, largest = TimedJournal(path, Header("bench", program.fingerprint)), random.Random(1), 0.0
+    journal, source, largest = Journal(path, Header("bench", program.fingerprint)), random.Random(1), 0.0
     run, file = Run(program, journal), file_of(path)
     for number in range(1, goals + 1):
         run.goal(str(number), office_goal(source, number))
@@ -103,13 +87,13 @@ def play(program, goals, every, path):
         size = sum(one.stat().st_size for one in path.glob(f"{file.name}*") if not one.name.endswith("-shm"))
         largest = max(largest, size / 1000)
         if number % every == 0 or number == goals:
+            if journal.fault:
+                raise SystemExit(journal.fault)
             text, when = office_goal(random.Random(number), 10 * goals), f"after {number} goals"
             yield Figure(f"{when}, largest files", largest, "kB")
             for name, record in (("resumed", file), ("fresh core", None)):
                 seconds = first_answer(program, record, text)
                 yield Figure(f"{when}, {name}, to the first answer", seconds, "s of processor")
-    yield Figure("writing", 1000 * journal.spent / journal.count, "ms of processor")
-    yield Figure("writing, until durable", 1000 * journal.passed / journal.count, "ms")
 
 
 def measure(options):

@@ -8,8 +8,12 @@ import sys
 import time
 from pathlib import Path
 
+import actionlib
 import numpy as np
 import rosgraph
+import rospy
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseAction
 from PIL import Image
 
 PATIENCE = 60.0  # s of wall time for a node to appear
@@ -76,8 +80,6 @@ def write_map(folder, grid):
 
 def pose_stamped(x, y, yaw=0.0):
     """Return a pose (m, rad) in the map."""
-    from geometry_msgs.msg import PoseStamped
-
     stamped = PoseStamped()
     stamped.header.frame_id = "map"
     stamped.pose.position.x, stamped.pose.position.y = x, y
@@ -87,10 +89,6 @@ def pose_stamped(x, y, yaw=0.0):
 
 def move_base_client():
     """Return a simple action client for move_base; exit if move_base does not appear."""
-    import actionlib
-    import rospy
-    from move_base_msgs.msg import MoveBaseAction
-
     client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
     wait_for(lambda: client.wait_for_server(rospy.Duration(20.0)), "move_base")
     return client

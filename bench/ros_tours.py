@@ -4,30 +4,32 @@
 The floor, 54 x 58.7 m at 0.1 m a cell, and 60 obstacles that its map lacks are those of bench/tours.py. The bench
 starts a separate master, simulation.launch and navigation.launch. It prints how each goal ends, and counts collisions:
 the reports of this package's simulator, or with Stage the times that the robot stands still despite its commands. A
-goal that is not reached must be impossible: no path leads to it if all obstacles are 8 cm larger. At the end, the bench
-calls the service make_plan of move_base over 60 to 80 m, 20 times.
+goal that is not reached must be impossible: no path leads to it if all obstacles are 8 cm larger.
 
 Run it in the built workspace: ./dev exec python3 bench/ros_tours.py
 With Stage and move_base: ./dev --overlay WORKSPACE exec python3 bench/ros_tours.py --sim stage --nav move_base
 """
 
 import math
-import statistics
 import subprocess
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+import rospy
 import yaml
+from actionlib_msgs.msg import GoalStatus
 from figures import Figure, Option, main
-from ros_system import System, move_base_client, pose_stamped, wait_for, write_map
-from stalls import Stalls
-from tours import BODIES, SPARE, PlanOutcome, Tour, Variant, far_apart, office_floor
+from geometry_msgs.msg import Twist
+from move_base_msgs.msg import MoveBaseGoal
+from nav_msgs.msg import Odometry
+from ros_system import System, move_base_client, pose_stamped, write_map
+from std_msgs.msg import String
+from tours import BODIES, SPARE, PlanOutcome, Tour, Variant, office_floor
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 300.0  # s of wall time, the limit of a goal
-CALLS = 20  # calls of make_plan
 
 
 def write_world(folder, tour, drift):
@@ -73,39 +75,42 @@ def launch(system, folder, pose, options):
         system.launch(name, *(f"{key}:={value}" for key, value in arguments.items()))
 
 
+class Stalls:
+    """Counts the ``times`` that a robot stands still for three poses despite a command that is not outdated.
+
+    Stage stops a robot before it collides.
+    """
+
+    def __init__(self):
+        self.times, self._still, self._pose, self._commanded = 0, 0, None, -math.inf
+        rospy.Subscriber("cmd_vel", Twist, self._on_command, tcp_nodelay=True)
+        rospy.Subscriber("base_pose_ground_truth", Odometry, self._on_truth, tcp_nodelay=True)
+
+    def _on_command(self, message):
+        moves = abs(message.linear.x) > 0.02 or abs(message.angular.z) > 0.05  # m/s, rad/s
+        self._commanded = rospy.get_time() if moves else -math.inf
+
+    def _on_truth(self, message):
+        place, rotation = message.pose.pose.position, message.pose.pose.orientation
+        before, self._pose = self._pose, (place.x, place.y, 2.0 * math.atan2(rotation.z, rotation.w))
+        stands = before is not None and max(abs(a - b) for a, b in zip(before, self._pose)) < 1e-6
+        fresh = 0.0 <= message.header.stamp.to_sec() - self._commanded <= 0.15
+        self._still = self._still + 1 if stands and fresh else 0
+        self.times += self._still == 3
+
+
 def watch_collisions(sim):
     """Return a function that returns the number of collisions so far."""
-    import rospy
-    from geometry_msgs.msg import Twist
-    from nav_msgs.msg import Odometry
-    from std_msgs.msg import String
-
-    if sim == "rosoclingo":
-        reports = []
-        rospy.Subscriber("simulator/collisions", String, lambda message: reports.append(message.data))
-        return lambda: sum(text.startswith("robot ran into") for text in reports)
-    stalls = Stalls()
-
-    def on_truth(message):
-        pose = message.pose.pose
-        yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
-        stalls.truth(message.header.stamp.to_sec(), pose.position.x, pose.position.y, yaw)
-
-    def on_command(message):
-        stalls.command(rospy.get_time(), message.linear.x, message.angular.z)
-
-    rospy.Subscriber("cmd_vel", Twist, on_command, tcp_nodelay=True)
-    rospy.Subscriber("base_pose_ground_truth", Odometry, on_truth, tcp_nodelay=True)
-    return lambda: stalls.times
+    if sim == "stage":
+        stalls = Stalls()
+        return lambda: stalls.times
+    reports = []
+    rospy.Subscriber("simulator/collisions", String, lambda message: reports.append(message.data))
+    return lambda: sum(text.startswith("robot ran into") for text in reports)
 
 
 def go(client, tour, number):
     """Drive to a random pose and print the end; return "reached", "MISSED" or "impossible"."""
-    import rospy
-    from actionlib_msgs.msg import GoalStatus
-    from move_base_msgs.msg import MoveBaseGoal
-    from nav_msgs.msg import Odometry
-
     target, since, end = tour.somewhere(), rospy.get_time(), time.monotonic() + LIMIT
     client.send_goal(MoveBaseGoal(pose_stamped(*target)))
     possible = tour.plan(target, SPARE, tour.variant.reach).outcome is PlanOutcome.FOUND
@@ -120,28 +125,8 @@ def go(client, tour, number):
     return words
 
 
-def call_make_plan(grid):
-    """Return the length (m) of a plan over 60 to 80 m, and the median wall time of make_plan in ms."""
-    import rospy
-    from nav_msgs.srv import GetPlan, GetPlanRequest
-
-    make_plan = rospy.ServiceProxy("move_base/make_plan", GetPlan)
-    start, goal = next(far_apart(grid))
-    request = GetPlanRequest(pose_stamped(start.x, start.y), pose_stamped(goal.x, goal.y), 0.0)
-    wait_for(lambda: make_plan(request).plan.poses, "a plan over 60 to 80 m")
-    times = []
-    for _ in range(CALLS):
-        begin = time.perf_counter()
-        poses = make_plan(request).plan.poses
-        times.append(1e3 * (time.perf_counter() - begin))
-    points = np.array([(pose.pose.position.x, pose.pose.position.y) for pose in poses])
-    return float(np.hypot(*np.diff(points, axis=0).T).sum()), statistics.median(times)
-
-
 def measure(options):
     """Send the robot to one goal after the other and print how they end; yield the figures."""
-    import rospy
-
     variant, random = Variant(footprint=BODIES[options.body]), np.random.default_rng(options.seed)
     tour = Tour(office_floor(options.seed), variant, random, 60, 0.0)
     with tempfile.TemporaryDirectory() as name, System(simulated=True) as system:
@@ -156,8 +141,6 @@ def measure(options):
         yield Figure("collisions", collisions(), "")
         pace = (rospy.get_time() - begin) / (time.monotonic() - wall)
         yield Figure("pace", pace, "simulated s per s", "higher")
-        length, median = call_make_plan(tour.grid)
-        yield Figure(f"make_plan over {length:.0f} m", median, "ms")
 
 
 if __name__ == "__main__":

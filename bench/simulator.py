@@ -15,8 +15,12 @@ import time
 from pathlib import Path
 
 import rosgraph
+import rospy
+from actionlib_msgs.msg import GoalStatus
 from figures import Figure, Option, main
+from move_base_msgs.msg import MoveBaseGoal
 from ros_system import System, move_base_client, pose_stamped
+from rosgraph_msgs.msg import Clock
 
 OFFICE = Path(__file__).resolve().parents[1] / "worlds" / "office.yaml"
 ROBOT = "  - {{pose: [{x}, {y}, 0], radius: 0.18, laser: {{range: 6.0, angle: 270.25, beams: 1081}}}}\n"
@@ -34,8 +38,6 @@ CASES = {  # the number of robots, whether another process subscribes to all the
 
 def hear():
     """Subscribe to all present and future topics of the simulator, as a process."""
-    import rospy
-
     rospy.init_node("hear", anonymous=True)
     heard = {"/rosout", "/rosout_agg", "/clock"}  # every node subscribes to the clock
     while not rospy.is_shutdown():
@@ -49,11 +51,6 @@ def hear():
 
 def watch(navigating, seconds):
     """Print the simulated seconds per second, while move_base drives if ``navigating``, as a process."""
-    import rospy
-    from actionlib_msgs.msg import GoalStatus
-    from move_base_msgs.msg import MoveBaseGoal
-    from rosgraph_msgs.msg import Clock
-
     rospy.init_node("watch", anonymous=True)
     rospy.wait_for_message("/clock", Clock)
     client = move_base_client() if navigating else None

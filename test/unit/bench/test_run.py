@@ -140,8 +140,8 @@ def test_bench_prints_its_options_without_measuring(name, monkeypatch, capsys):
     ("arguments", "message"),
     [
         (["nosuch"], "no such bench: nosuch; the benches are cut_off "),
-        (["oclingo", "--rounds", "0"], "--rounds must be at least 1"),
-        (["oclingo", "--against", "nosuch"], "no such commit: nosuch"),
+        (["golog", "--rounds", "0"], "--rounds must be at least 1"),
+        (["golog", "--against", "nosuch"], "no such commit: nosuch"),
     ],
 )
 def test_bench_run_refuses_a_wrong_command_line(arguments, message, tmp_path):
