@@ -6,7 +6,7 @@ from rosoclingo.common.lazy import loader
 _NAMES = {
     "simulated_robot": "Laser Robot",
     "simulation": "Collision Simulation load_simulation",
-    "spec": "Box DoorSpec LaserSpec ObstacleSpec PackageSpec RobotSpec WorldError WorldSpec",
+    "spec": "Box DoorSpec LaserSpec ObstacleSpec RobotSpec WorldError WorldSpec",
     "world_file": "load_world",
 }
 

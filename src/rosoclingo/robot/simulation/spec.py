@@ -1,7 +1,7 @@
 """Specification of a simulated world."""
 
 import math
-from typing import List, NamedTuple, Optional, Tuple, Union
+from typing import List, NamedTuple, Optional, Tuple
 
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OccupancyGrid
@@ -91,13 +91,6 @@ class ObstacleSpec(NamedTuple):
         return ""
 
 
-class PackageSpec(NamedTuple):
-    """A package: its id (text of a term), and its place (name of a label, or x, y in m)."""
-
-    id: str
-    at: Union[str, Point]
-
-
 class WorldSpec(NamedTuple):
     """A world. ``interval``: length of a step (s). ``map_file``: YAML file of the map, if any."""
 
@@ -105,7 +98,6 @@ class WorldSpec(NamedTuple):
     robots: Tuple[RobotSpec, ...]
     doors: Tuple[DoorSpec, ...] = ()
     obstacles: Tuple[ObstacleSpec, ...] = ()
-    packages: Tuple[PackageSpec, ...] = ()
     interval: float = 0.1
     seed: int = 0
     map_file: str = ""

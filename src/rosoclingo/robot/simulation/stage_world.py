@@ -20,7 +20,7 @@ DOOR_THICKNESS = 0.04  # m: thickness of doors, which are boxes in Stage
 CORNERS = 16  # number of corners of the polygon for a disc
 
 HEAD = """\
-# Made from {source} by "rosrun rosoclingo stage_world"; do not edit. Open doors and packages are not in it.
+# Made from {source} by "rosrun rosoclingo stage_world"; do not edit. Open doors are not in it.
 resolution 0.01
 interval_sim {interval}
 

@@ -1,8 +1,8 @@
-"""World files: YAML with a map, robots, doors, obstacles and packages."""
+"""World files: YAML with a map, robots, doors and obstacles."""
 
 import math
 from pathlib import Path
-from typing import Any, Optional, Tuple, Union
+from typing import Tuple, Union
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from rosoclingo.robot.simulation.spec import (
     DoorSpec,
     LaserSpec,
     ObstacleSpec,
-    PackageSpec,
     Point,
     RobotSpec,
     WorldError,
@@ -35,7 +34,6 @@ def load_world(path: Union[str, Path], map_file: str = "") -> WorldSpec:
         tuple(_robot(item, f"robot_{i}") for i, item in enumerate(reader.at("robots").items())),
         tuple(_door(item) for item in reader.at("doors").items()),
         tuple(_obstacle(item) for item in reader.at("obstacles").items()),
-        tuple(_package(item) for item in reader.at("packages").items()),
         reader.at("interval").number(0.1, low=0.001, high=10.0),
         reader.at("seed").whole(0, low=0),
         map_file or str(path.parent / named),
@@ -65,7 +63,6 @@ def _check_names(reader: Reader, spec: WorldSpec) -> None:
         ("robots", [r.name for r in spec.robots]),
         ("doors", [d.name for d in spec.doors]),
         ("obstacles", [o.name for o in spec.obstacles]),
-        ("packages", [p.id for p in spec.packages]),
     ):
         for name in sorted({name for name in names if names.count(name) > 1}):
             reader.at(key).fault(f"{name!r} is used twice")
@@ -77,7 +74,6 @@ def _check_points(reader: Reader, spec: WorldSpec) -> None:
     points += [(f"doors[{i}].from", door.start) for i, door in enumerate(spec.doors)]
     points += [(f"doors[{i}].to", door.end) for i, door in enumerate(spec.doors)]
     points += [(f"obstacles[{i}].at", obstacle.at) for i, obstacle in enumerate(spec.obstacles)]
-    points += [(f"packages[{i}].at", p.at) for i, p in enumerate(spec.packages) if not isinstance(p.at, str)]
     for key, (x, y) in points:
         outside = spec.grid.off_map(x, y)
         if outside:
@@ -174,19 +170,6 @@ def _obstacle(reader: Reader) -> ObstacleSpec:
         reader.fault(problem)
     reader.close()
     return spec
-
-
-def _package(reader: Reader) -> PackageSpec:
-    at = reader.at("at")
-    place = at.text() if isinstance(at.value, str) else _point(at.numbers((2,), wanted="a label or [x, y]"))
-    spec = PackageSpec(reader.at("id").read("an integer or a text", _name, empty=""), place)
-    reader.close()
-    return spec
-
-
-def _name(value: Any) -> Optional[str]:
-    good = isinstance(value, (int, str)) and not isinstance(value, bool) and value != ""
-    return str(value) if good else None
 
 
 def _point(numbers: Tuple[float, ...]) -> Point:

@@ -11,7 +11,6 @@ from rosoclingo.robot.simulation import (
     DoorSpec,
     LaserSpec,
     ObstacleSpec,
-    PackageSpec,
     Simulation,
     WorldError,
     load_simulation,
@@ -48,7 +47,6 @@ def test_world_file_is_read_completely(world):
             ],
             doors=[{"name": "d", "from": [0, 0], "to": [1, 0], "open": False}],
             obstacles=[{"name": "o", "at": [1, 3], "radius": 0.2}, {"name": "p", "at": [3, 1], "box": [0.2, 0.3]}],
-            packages=[{"id": 1, "at": "office1"}, {"id": "mail", "at": [1, 2]}],
         )
     )
     assert (spec.interval, spec.seed) == (0.05, 3)
@@ -61,7 +59,6 @@ def test_world_file_is_read_completely(world):
     assert spec.robots[2].radius == 0.1
     assert spec.doors == (DoorSpec("d", (0.0, 0.0), (1.0, 0.0), False),)
     assert spec.obstacles == (ObstacleSpec("o", (1.0, 3.0), 0.2), ObstacleSpec("p", (3.0, 1.0), 0.0, Box(0.2, 0.3)))
-    assert spec.packages == (PackageSpec("1", "office1"), PackageSpec("mail", (1.0, 2.0)))
     Simulation(spec).step()
 
 
@@ -78,7 +75,6 @@ def test_world_file_is_read_completely(world):
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 0]]}]}, "three corners"),
         ({"robots": [{"pose": [1, 1], "name": "a"}, {"pose": [2, 2], "name": "a"}]}, "robots: 'a' is used twice"),
         ({"obstacles": [{"name": "o", "at": [1, 1]}]}, r"obstacles\[0\]: an obstacle has either"),
-        ({"packages": [{"id": 1, "at": 5}]}, r"packages\[0\].at"),
         ({"seed": 10**400}, "seed: must be an integer of at least 0, not 1000"),
         ({"robots": [{"pose": [1, 1], "drift": [0.1, -0.1]}]}, r"robots\[0\].drift: must be two relative errors"),
         ({"robots": [{"pose": [1, 1], "footprint": [[0, 0], [1, 1], [2, 2]]}]}, r"robots\[0\].footprint:.* on a line"),
@@ -91,7 +87,6 @@ def test_world_file_is_read_completely(world):
         ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
         ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 0]}]}, r"doors\[0\]: has the length 0"),
         ({"obstacles": [{"name": "o", "at": [5, 1], "radius": 1}]}, r"obstacles\[0\].at: \(5, 1\) is off the map"),
-        ({"packages": [{"id": 1, "at": [5, 5]}]}, r"packages\[0\].at: \(5, 5\) is off the map"),
     ],
 )
 def test_world_file_refusal_names_its_fault(world, changes, words):
