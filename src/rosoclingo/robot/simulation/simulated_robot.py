@@ -6,8 +6,11 @@ from typing import List, Tuple
 import numpy as np
 
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.simulation.compiled.shapes import CLEAR, Surroundings, cast_rays, sweep
+from rosoclingo.robot.simulation.compiled.shapes import CLEAR, cast_rays, sweep
 from rosoclingo.robot.simulation.spec import LaserSpec, Point, RobotSpec
+
+# The obstacles of a robot: occupied cells, segments and discs, as in ``shapes``.
+Surroundings = Tuple[np.ndarray, np.ndarray, np.ndarray]
 
 CHECK_DISTANCE = 0.25  # cells: maximum distance between two collision checks of a moving robot
 

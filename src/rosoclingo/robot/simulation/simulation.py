@@ -5,17 +5,10 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from rosoclingo.robot.navigation.compiled.outlines import gap
 from rosoclingo.robot.navigation.geometry import Pose2D
-from rosoclingo.robot.simulation.compiled.shapes import (
-    CLEAR,
-    HIT_DISC,
-    HIT_SEGMENT,
-    HIT_WALL,
-    Surroundings,
-    body_hits,
-    inside,
-)
-from rosoclingo.robot.simulation.simulated_robot import Robot
+from rosoclingo.robot.simulation.compiled.shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
+from rosoclingo.robot.simulation.simulated_robot import Robot, Surroundings
 from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
@@ -164,11 +157,11 @@ class Simulation:
         """Return the obstacles of a robot: the world and the other robots."""
         others = [other for name, other in self.robots.items() if name != robot]
         if not others:
-            return Surroundings(self._occupied, self._segments, self._discs)
+            return self._occupied, self._segments, self._discs
         edges = self._points([edge for other in others if other.outline for edge in _edges(other.corners())], 4)
         discs = self._with_radii([(other.pose[:2], other.spec.radius) for other in others if not other.outline])
         segments = np.concatenate((self._segments, edges))
-        return Surroundings(self._occupied, segments, np.concatenate((self._discs, discs)))
+        return self._occupied, segments, np.concatenate((self._discs, discs))
 
     def _hits(self, robot: str, pose: Pose2D) -> int:
         """Return the kind of obstacle that a robot at a pose overlaps, including one that contains the whole robot."""
@@ -177,7 +170,7 @@ class Simulation:
         hit = int(body_hits(*self._surroundings(robot), outline, radius, *self._in_cells(pose)))
         point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
         solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]
-        if hit == CLEAR and any(inside(np.array(solid), point.x, point.y) for solid in solids if solid):
+        if hit == CLEAR and any(gap(np.array(solid), 0.0, point.x, point.y) < 0.0 for solid in solids if solid):
             return HIT_SEGMENT
         return hit
 

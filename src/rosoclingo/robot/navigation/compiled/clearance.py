@@ -67,37 +67,37 @@ def _row_gaps(row, reach, span, column0, column1, out) -> None:
 
 
 @jit
-def ray_length(occupied, x, y, dx, dy, reach):
-    """Return the length of a ray from (x, y) to the first occupied cell, at most ``reach``.
+def ray_start(x, y, dx, dy):
+    """Return the first cell of a ray and, each for columns and rows, its direction, and where it enters the next cells.
 
-    The direction (dx, dy) has length 1. A ray that starts in an occupied cell has length 0, one that leaves the grid
-    has length ``reach``. The walk visits every crossed cell (Amanatides and Woo 1987), so the length is exact.
+    The walk of Amanatides and Woo (1987): (column, row), steps (1 or -1), distances between entries, next entries.
     """
-    height, width = occupied.shape
-    column, row = math.floor(x), math.floor(y)
-    step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+    column, row = int(math.floor(x)), int(math.floor(y))
     per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
     per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
     next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
     next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
+    return column, row, (1 if dx > 0 else -1), (1 if dy > 0 else -1), per_c, per_r, next_c, next_r
+
+
+@jit
+def ray_length(occupied, x, y, dx, dy, reach):
+    """Return the length of a ray from (x, y) to the first occupied cell, at most ``reach``.
+
+    The direction (dx, dy) has length 1. A ray that starts in an occupied cell has length 0, one that leaves the grid
+    has length ``reach``. The walk visits every crossed cell, so the length is exact.
+    """
+    height, width = occupied.shape
+    column, row, step_c, step_r, per_c, per_r, next_c, next_r = ray_start(x, y, dx, dy)
     at = 0.0
     while at < reach:
-        if 0 <= row < height and 0 <= column < width:
-            if occupied[row, column]:
-                return at
-        elif _leaves(column, step_c, width) or _leaves(row, step_r, height):
-            break
+        if 0 <= row < height and 0 <= column < width and occupied[row, column]:
+            return at
         if next_c < next_r:
             at, next_c, column = next_c, next_c + per_c, column + step_c
         else:
             at, next_r, row = next_r, next_r + per_r, row + step_r
     return reach
-
-
-@jit
-def _leaves(index, step, size):
-    """Return whether a walk is outside of 0 .. size - 1 and moves away from it."""
-    return (index < 0 and step < 0) or (index >= size and step > 0)
 
 
 @jit

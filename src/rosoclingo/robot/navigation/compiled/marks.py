@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.clearance import square_distance
+from rosoclingo.robot.navigation.compiled.clearance import ray_start, square_distance
 from rosoclingo.robot.navigation.compiled.jit import jit
 
 # A scan hits a cell if one in PART of the rays in it ends there; one in PART_MARKED for a cell that is marked already.
@@ -49,13 +49,8 @@ def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, kn
 def _pass(passed, x, y, dx, dy, length):
     """Count a ray in all cells that it crosses, except the last."""
     height, width = passed.shape
-    column, row = int(math.floor(x)), int(math.floor(y))
+    column, row, step_c, step_r, per_c, per_r, next_c, next_r = ray_start(x, y, dx, dy)
     last_c, last_r = int(math.floor(x + dx * length)), int(math.floor(y + dy * length))
-    step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
-    per_c = abs(1.0 / dx) if dx != 0.0 else np.inf
-    per_r = abs(1.0 / dy) if dy != 0.0 else np.inf
-    next_c = ((column + 1 - x) if dx > 0 else (x - column)) * per_c if dx != 0.0 else np.inf
-    next_r = ((row + 1 - y) if dy > 0 else (y - row)) * per_r if dy != 0.0 else np.inf
     for _ in range(abs(last_c - column) + abs(last_r - row)):
         if 0 <= row < height and 0 <= column < width:
             passed[row, column] += 1
