@@ -1,6 +1,6 @@
 """Places of a map as a logic program sees them, with connections and distances."""
 
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, NamedTuple, Tuple
 
 import numpy as np
 
@@ -43,12 +43,10 @@ class Floor(NamedTuple):
         """Return the facts place/1, connection/2, distance/3 (decimetres, in both directions) and start/1."""
         lines = [" ".join(f"place({place})." for place in self.places), ""]
         lines += [_WAYS, *(f"connection({a},{b})." for a, b in self.connections)] if self.connections else []
-        lines += ["", _DISTANCES, *(f"distance({a},{b},{d}). distance({b},{a},{d})." for a, b, d in self._decimetres())]
+        tenths = {pair: max(1, round(10 * metres)) for pair, metres in self.distances.items()}
+        lines += ["", _DISTANCES, *(f"distance({a},{b},{d}). distance({b},{a},{d})." for (a, b), d in tenths.items())]
         lines += ["", _START, f"start({self.start})."] if self.start else []
         return "\n".join(lines) + "\n"
-
-    def _decimetres(self) -> List[Tuple[str, str, int]]:
-        return [(a, b, max(1, round(10 * metres))) for (a, b), metres in self.distances.items()]
 
 
 def floor_of(costmap: Costmap, labels: LabelTable, detour: float = DETOUR) -> Floor:

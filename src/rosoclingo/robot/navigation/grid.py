@@ -72,11 +72,12 @@ class OccupancyGrid(NamedTuple):
 def read_map_info(path: Union[str, Path]) -> Dict[str, Any]:
     """Read and check the YAML file of a map, and add the defaults of map_server. Raises MapError."""
     reader = read_yaml(path, "map", MapError)
+    negate = reader.at("negate")  # map_server accepts numbers
     info = {
         "image": Path(path).parent / reader.at("image").text(wanted="the image's file name"),
         "resolution": reader.at("resolution").number(low=1e-6, high=1e6),
         "origin": _origin(reader.at("origin")),
-        "negate": _negate(reader.at("negate")),
+        "negate": negate.value if isinstance(negate.value, bool) else bool(negate.number(0.0)),
         "occupied_thresh": reader.at("occupied_thresh").number(low=0.0, high=1.0),
         "free_thresh": reader.at("free_thresh").number(low=0.0, high=1.0),
         "mode": reader.at("mode").choice(MODES, "trinary"),
@@ -137,10 +138,6 @@ def _occupancy(levels: Tuple[np.ndarray, np.ndarray], info: Mapping[str, Any]) -
     else:
         between = np.full(grey.shape, UNKNOWN)
     return np.where(occupied, OCCUPIED, np.where(free, FREE, between)).astype(np.int8)
-
-
-def _negate(reader: Reader) -> bool:
-    return reader.value if isinstance(reader.value, bool) else bool(reader.number(0.0))
 
 
 def _origin(reader: Reader) -> Tuple[float, float]:

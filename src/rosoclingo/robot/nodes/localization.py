@@ -74,13 +74,10 @@ class FakeLocalizationNode:
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
 
     def _on_truth(self, message: Odometry) -> None:
-        self._worker.put(lambda: self._take(message))
+        self._worker.put(lambda: self._waiting.append(message))
 
     def _on_initial_pose(self, message: PoseWithCovarianceStamped) -> None:
         self._worker.put(lambda: self._move_map(message))
-
-    def _take(self, message: Odometry) -> None:
-        self._waiting.append(message)
 
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
         pose, frame = to_pose2d(message.pose.pose), message.header.frame_id.lstrip("/")

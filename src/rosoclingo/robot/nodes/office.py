@@ -219,16 +219,13 @@ class OfficeNode:
         done = f"is at {location}" if location else "is removed"
         return PutPackageResponse(success=True, message=f"{words_for(package)} {done}")
 
-    def _keep(self) -> None:
-        """Persist the places of the packages before they are published."""
+    def _publish(self) -> None:
+        """Publish the places of the packages, persisted before."""
         if self._office.places != self._known:
             self._known = self._office.places
             carried: Any = {arm.robot: self._office.carried_by(arm.robot) for arm in self._arms}
             state = {"lying": self._office.lying, "carried": carried.get(ROBOT, carried)}
             self._kept.store(state, PERSIST_TIMEOUT)
-
-    def _publish(self) -> None:
-        self._keep()
         message = PackageStates()
         message.header.stamp = rospy.get_rostime()
         message.packages = [PackageState(*place) for place in self._office.places]

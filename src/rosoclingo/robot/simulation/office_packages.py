@@ -83,7 +83,7 @@ class PackageOffice:
         if package in self._places:
             reader.fault(f"{words_for(package)} is listed twice")
         try:
-            self._put(package, place, carried)
+            self.put(package, place, carried)
         except PackageError as error:
             reader.fault(str(error))
 
@@ -91,11 +91,6 @@ class PackageOffice:
     def places(self) -> List[PackagePlace]:
         """All packages, sorted by identifier; numbers come first, in numerical order."""
         return sorted(self._places.values(), key=lambda place: _order(place.package))
-
-    @property
-    def carried(self) -> List[str]:
-        """Packages that robots carry."""
-        return [place.package for place in self.places if place.carried]
 
     def carried_by(self, robot: str) -> List[str]:
         """Return the packages that a robot carries."""
@@ -110,11 +105,8 @@ class PackageOffice:
                 found.setdefault(place.location, []).append(place.package)
         return found
 
-    def put(self, package: str, location: str) -> None:
-        """Move a package to a label. Raises PackageError."""
-        self._put(package, location, carried=False)
-
-    def _put(self, package: str, location: str, carried: bool) -> None:
+    def put(self, package: str, location: str, carried: bool = False) -> None:
+        """Move a package to a label, or to the robot of this name that carries it. Raises PackageError."""
         if not package:
             raise PackageError("a package needs an identifier")
         if not carried and location not in self._labels:
@@ -141,7 +133,7 @@ class PackageOffice:
         )
         result = self._handle(package, robot_at, faults, f"picked up {words} at {robot_at}")
         if result.succeeded:
-            self._put(package, robot, carried=True)
+            self.put(package, robot, carried=True)
         return result
 
     def deliver(self, package: str, robot_at: Optional[str], robot: str = ROBOT) -> HandlingResult:

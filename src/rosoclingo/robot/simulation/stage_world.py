@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from rosoclingo.robot.navigation.grid import read_map_info
-from rosoclingo.robot.simulation.spec import LaserSpec, ObstacleSpec, Point, RobotSpec, WorldError, WorldSpec
+from rosoclingo.robot.simulation.spec import DoorSpec, LaserSpec, ObstacleSpec, Point, RobotSpec, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
 # Stage regards pixels as occupied if their first channel is at most this.
@@ -40,8 +40,8 @@ floorplan
 (
   name "map"
   bitmap "{bitmap}"
-  size [ {size} {height} ]
-  pose [ {centre} 0 0 ]
+  {size}
+  {pose}
 )
 """
 
@@ -79,10 +79,10 @@ def stage_world(spec: WorldSpec, source: str, image: str, own_bitmap: str) -> St
     if not occupied.any():
         raise WorldError(f"world {source}: map: no cell is occupied; Stage needs walls to scale the map")
     same = spec.map_file != "" and np.array_equal(_dark(spec.map_file), occupied)
-    parts = [_head(spec, occupied, source, image if same else own_bitmap)]
-    parts += [_robot(robot) for robot in spec.robots]
-    parts += [_door(door.name, door.start, door.end) for door in spec.doors if not door.open]
-    parts += [_obstacle(obstacle) for obstacle in spec.obstacles]
+    things = [_robot(robot) for robot in spec.robots]
+    things += [_door(door) for door in spec.doors if not door.open]
+    things += [_obstacle(obstacle) for obstacle in spec.obstacles]
+    parts = [_head(spec, occupied, source, image if same else own_bitmap), *("\n".join([*one, ""]) for one in things)]
     bitmap = None if same else np.where(occupied[::-1], 0, 255).astype(np.uint8)
     return StageWorld("\n".join(parts), bitmap)
 
@@ -106,83 +106,71 @@ def _head(spec: WorldSpec, occupied: np.ndarray, source: str, bitmap: str) -> st
         source=source,
         interval=_number(1000.0 * spec.interval),
         bitmap=bitmap,
-        size=_numbers(size),
-        centre=_numbers(centre),
-        height=_number(WALL_HEIGHT),
+        size=_field("size", *size, WALL_HEIGHT),
+        pose=_field("pose", *centre, 0, 0),
     )
 
 
-def _robot(robot: RobotSpec) -> str:
+def _robot(robot: RobotSpec) -> List[str]:
     corners = list(robot.footprint) or _disc(robot.radius)
     size, centre = _extent(corners)
     turn, turn_change = math.degrees(robot.max_turn), math.degrees(robot.turn_acceleration)
-    lines = [
+    return _entity(
+        "position",
         f"name {_text(robot.name)}",
-        f"size [ {_numbers(size)} {_number(ROBOT_HEIGHT)} ]",
-        f"origin [ {_numbers(centre)} 0 0 ]",
+        _field("size", *size, ROBOT_HEIGHT),
+        _field("origin", *centre, 0, 0),
         'drive "diff"',
         'color "blue"',
-        f"pose [ {_numbers(robot.pose[:2])} 0 {_number(math.degrees(robot.pose.yaw))} ]",
-        f"velocity_bounds [ {_bounds(robot.max_speed)} 0 0 0 0 {_bounds(turn)} ]",
-        f"acceleration_bounds [ {_bounds(robot.acceleration)} 0 0 0 0 {_bounds(turn_change)} ]",
-        *_block(corners),
-    ]
-    for laser in robot.lasers:
-        lines += _ranger(laser)
-    return _entity("position", lines)
+        _field("pose", *robot.pose[:2], 0, math.degrees(robot.pose.yaw)),
+        _field("velocity_bounds", -robot.max_speed, robot.max_speed, 0, 0, 0, 0, -turn, turn),
+        _field("acceleration_bounds", -robot.acceleration, robot.acceleration, 0, 0, 0, 0, -turn_change, turn_change),
+        _block(corners),
+        *(line for laser in robot.lasers for line in _ranger(laser)),
+    )
 
 
 def _ranger(laser: LaserSpec) -> List[str]:
+    view = f"fov {_number(laser.angle)} samples {laser.beams}"
     # Noise in Stage: a variance, a relative error of the range, an angle.
-    noise = f" noise [ {_number(laser.noise**2)} 0 0 ]" if laser.noise > 0.0 else ""
-    height = _number(LASER_HEIGHT - ROBOT_HEIGHT)  # relative to the top of the robot
-    return [
+    noise = " " + _field("noise", laser.noise**2, 0, 0) if laser.noise > 0.0 else ""
+    height = LASER_HEIGHT - ROBOT_HEIGHT  # relative to the top of the robot
+    return _entity(
         "ranger",
-        "(",
-        f"  sensor ( range [ {_numbers((laser.min_range, laser.range))} ] "
-        f"fov {_number(laser.angle)} samples {laser.beams}{noise} )",
-        '  color "black"',
-        "  size [ 0.05 0.05 0.05 ]",
-        f"  pose [ {_numbers(laser.pose[:2])} {height} {_number(math.degrees(laser.pose.yaw))} ]",
-        f"  update_interval {_number(1000.0 / laser.rate)}",
-        ")",
-    ]
+        f"sensor ( {_field('range', laser.min_range, laser.range)} {view}{noise} )",
+        'color "black"',
+        "size [ 0.05 0.05 0.05 ]",
+        _field("pose", *laser.pose[:2], height, math.degrees(laser.pose.yaw)),
+        f"update_interval {_number(1000.0 / laser.rate)}",
+    )
 
 
-def _door(name: str, start: Point, end: Point) -> str:
-    length, yaw = math.hypot(end[0] - start[0], end[1] - start[1]), math.atan2(end[1] - start[1], end[0] - start[0])
-    middle = ((start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0)
-    return _thing(f"door {name}", (length, DOOR_THICKNESS), middle, yaw)
+def _door(door: DoorSpec) -> List[str]:
+    (ax, ay), (bx, by) = door.start, door.end
+    size, middle = (math.hypot(bx - ax, by - ay), DOOR_THICKNESS), ((ax + bx) / 2.0, (ay + by) / 2.0)
+    return _thing(f"door {door.name}", size, middle, math.atan2(by - ay, bx - ax))
 
 
-def _obstacle(obstacle: ObstacleSpec) -> str:
+def _obstacle(obstacle: ObstacleSpec) -> List[str]:
     if obstacle.box is not None:
         return _thing(obstacle.name, obstacle.box[:2], obstacle.at, obstacle.box.yaw)
     size = (2.0 * obstacle.radius, 2.0 * obstacle.radius)
     return _thing(obstacle.name, size, obstacle.at, 0.0, _block(_disc(obstacle.radius)))
 
 
-def _thing(name: str, size: Sequence[float], at: Point, yaw: float, block: Sequence[str] = ()) -> str:
-    return _entity(
-        "model",
-        [
-            f"name {_text(name)}",
-            'color "brown"',
-            f"size [ {_numbers(size)} {_number(WALL_HEIGHT)} ]",
-            f"pose [ {_numbers(at)} 0 {_number(math.degrees(yaw))} ]",
-            *block,
-        ],
-    )
+def _thing(name: str, size: Sequence[float], at: Point, yaw: float, *block: str) -> List[str]:
+    size_and_pose = _field("size", *size, WALL_HEIGHT), _field("pose", *at, 0, math.degrees(yaw))
+    return _entity("model", f"name {_text(name)}", 'color "brown"', *size_and_pose, *block)
 
 
-def _entity(kind: str, lines: Sequence[str]) -> str:
-    return "\n".join([kind, "(", *("  " + line for line in lines), ")", ""])
+def _entity(kind: str, *lines: str) -> List[str]:
+    return [kind, "(", *("  " + line for line in lines), ")"]
 
 
-def _block(corners: Sequence[Point]) -> List[str]:
-    """Return the lines of a polygon, which Stage scales to the size of the model."""
-    points = " ".join(f"point[{i}] [ {_numbers(corner)} ]" for i, corner in enumerate(corners))
-    return [f"block ( points {len(corners)} {points} z [ 0 1 ] )"]
+def _block(corners: Sequence[Point]) -> str:
+    """Return a polygon, which Stage scales to the size of the model."""
+    points = " ".join(_field(f"point[{i}]", *corner) for i, corner in enumerate(corners))
+    return f"block ( points {len(corners)} {points} z [ 0 1 ] )"
 
 
 def _disc(radius: float) -> List[Point]:
@@ -196,12 +184,8 @@ def _extent(points: Sequence[Point]) -> Tuple[Point, Point]:
     return (high_x - low_x, high_y - low_y), ((low_x + high_x) / 2.0, (low_y + high_y) / 2.0)
 
 
-def _bounds(limit: float) -> str:
-    return _numbers((-limit, limit))
-
-
-def _numbers(values: Sequence[float]) -> str:
-    return " ".join(map(_number, values))
+def _field(name: str, *values: float) -> str:
+    return f"{name} [ {' '.join(map(_number, values))} ]"
 
 
 def _number(value: float) -> str:

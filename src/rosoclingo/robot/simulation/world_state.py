@@ -1,6 +1,6 @@
 """State of a simulated world as plain values, from which a new process can resume after a crash."""
 
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, Tuple
 
 from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation.geometry import Pose2D
@@ -17,7 +17,9 @@ def world_state(simulation: Simulation) -> Dict[str, Any]:
     return {
         "robots": {name: [*map(float, robot.pose + robot.odometry)] for name, robot in simulation.robots.items()},
         "doors": {name: door.open for name, door in simulation.doors.items()},
-        "obstacles": {name: _numbers(obstacle) for name, obstacle in simulation.obstacles.items()},
+        "obstacles": {
+            name: [*map(float, one.at + (one.box or (one.radius,)))] for name, one in simulation.obstacles.items()
+        },
     }
 
 
@@ -34,10 +36,6 @@ def resume_world(simulation: Simulation, kept: Reader) -> None:
         if known.keys() != found.keys():
             raise WorldError("the {} are {}, not {}".format(what, ", ".join(known), ", ".join(found)))
     simulation.arrange(robots, doors, obstacles)
-
-
-def _numbers(obstacle: ObstacleSpec) -> List[float]:
-    return [*map(float, obstacle.at + (obstacle.box or (obstacle.radius,)))]
 
 
 def _obstacle(name: str, item: Reader) -> ObstacleSpec:

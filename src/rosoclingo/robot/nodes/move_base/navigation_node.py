@@ -276,7 +276,8 @@ class MoveBaseNode:
             tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
         self._drive(tick.velocity)
         if located.pose is not None:
-            self._feed_back(located.pose, tick.velocity)
+            self._server.publish_feedback(MoveBaseFeedback(stamped_pose(located.pose, self._settings.frames.map)))
+            self._display.trajectory(lambda: self._follower.trajectory(located.pose, tick.velocity))
         if tick.result is not None:
             self._end(tick.result)
 
@@ -286,10 +287,6 @@ class MoveBaseNode:
         message = Twist()
         message.linear.x, message.angular.z = velocity
         self._commands.command(message)
-
-    def _feed_back(self, pose: Pose2D, velocity: Velocity) -> None:
-        self._server.publish_feedback(MoveBaseFeedback(stamped_pose(pose, self._settings.frames.map)))
-        self._display.trajectory(lambda: self._follower.trajectory(pose, velocity))
 
     def _end(self, result: Result) -> None:
         if result.outcome is NavigationOutcome.REACHED:

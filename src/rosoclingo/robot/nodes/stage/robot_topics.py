@@ -78,7 +78,10 @@ class _ScanTopic:
         self._spec = laser.spec
         child = prefix + "base_laser_link" + ending
         self.frame = _transform(prefix + "base_link", child, laser.spec.pose, LASER_HEIGHT)
-        self._message = _scan(self.frame.child_frame_id, laser)
+        self._message = numpy_msg(LaserScan)(header=Header(frame_id=child))
+        self._message.angle_min, self._message.angle_max = float(laser.angles[0]), float(laser.angles[-1])
+        self._message.angle_increment = math.radians(laser.spec.angle) / (laser.spec.beams - 1)
+        self._message.range_min, self._message.range_max = laser.spec.min_range, laser.spec.range
         self._publisher = prompt_publisher(prefix + "base_scan" + ending, numpy_msg(LaserScan))
         self._next = 0.0
 
@@ -102,15 +105,6 @@ def _transform(parent: str, child: str, pose: Pose2D = IDENTITY, height: float =
     message.header.frame_id, message.child_frame_id = parent, child
     fill_transform(message.transform, pose)
     message.transform.translation.z = height
-    return message
-
-
-def _scan(frame: str, laser: Laser) -> LaserScan:
-    message = numpy_msg(LaserScan)()
-    message.angle_min, message.angle_max = float(laser.angles[0]), float(laser.angles[-1])
-    message.angle_increment = math.radians(laser.spec.angle) / (laser.spec.beams - 1)
-    message.range_min, message.range_max = laser.spec.min_range, laser.spec.range
-    message.header.frame_id = frame
     return message
 
 
