@@ -70,14 +70,10 @@ class BodyState:
         """Return the distance (m) to a point."""
         return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
 
-    def has_room(self, points: Sequence[Point], spare: float = 0.0) -> bool:
-        """Return whether the robot can turn on the spot at all of the points (m).
-
-        ``spare`` (m) is an additional clearance of its outermost corner.
-        """
-        cells = self.costmap.all_to_cells(np.array(points)).tolist()
-        least = min(point_clearance(self.costmap.clearance, x, y) for x, y in cells)
-        return bool(least >= (self.body.outer + spare) * self._scale)
+    def has_room(self, spare: float) -> bool:
+        """Return whether the robot can turn on the spot with a clearance of ``spare`` (m) of its outermost corner."""
+        room = point_clearance(self.costmap.clearance, self._cells[0], self._cells[1])
+        return bool(room >= (self.body.outer + spare) * self._scale)
 
     def can_turn(self, angle: float) -> bool:
         """Return whether the robot can turn on the spot by ``angle`` rad.

@@ -41,7 +41,6 @@ class RolloutFollower(LocalPlanner):
         self._index, self._place = 0, 0.0
         self._arrived = False
         self._body = Body(radius, footprint)
-        self._circle = Body(self._body.outer)  # turning circle
         self._least, self._lull = -1.0, 0.0  # shortest remaining path (m), and time without progress (s)
         self._curvature: Optional[float] = None  # 1/m, of the current escape arc
 
@@ -100,10 +99,6 @@ class RolloutFollower(LocalPlanner):
     def _follow(self, now: BodyState) -> Optional[Velocity]:
         """Return the command towards a point ahead on the path, or None if no safe command exists."""
         ahead = self._at(self._place + self._ahead)
-        # Where robot and path have room to turn, check the turning circle to keep that room. In tight places check
-        # the footprint itself.
-        if self.footprint and now.has_room([now.pose[:2], *ahead]):
-            now = BodyState(self._circle, now.costmap, now.pose, now.velocity, now.period)
         carrot = self._carrot(now, ahead)
         if carrot is None:
             return None
@@ -166,7 +161,7 @@ class RolloutFollower(LocalPlanner):
 
         None if it can turn already, or if no arc leads to such a pose.
         """
-        if not self.footprint or now.has_room([now.pose[:2]], 0.5 * ESCAPE_CLEARANCE):
+        if not self.footprint or now.has_room(0.5 * ESCAPE_CLEARANCE):
             return None
         found = now.arc_to_room(ESCAPE_CLEARANCE, self.limits.creep_vel_x, self._curvature)
         self._curvature = found.angular / found.linear if found else None

@@ -27,12 +27,8 @@ from rosoclingo.robot.navigation.recovery_behaviors import RecoveryBehavior
 
 # Minimum time (s) between two plans. Limits replanning while a blocked robot keeps seeing new obstacles.
 PLAN_PERIOD = 0.25
-# Time (s) for which a path must appear blocked before the robot leaves it, for each path left since the last progress.
-# Obstacles at the edge of the beam are marked in some scans only, and must not make the robot oscillate.
-BLOCKED_TIME = 1.0
-# Maximum relative length of a new path that replaces an unblocked one, and its factor for each path left. They avoid
-# oscillation between equally long paths.
-LENGTH_RATIO, LEFT_RATIO = 0.9, 0.7
+# Maximum relative length of a new path that replaces an unblocked one, to avoid oscillation between equally long paths.
+LENGTH_RATIO = 0.9
 TOLERANCE = 0.75  # cells: tolerance in the clearance of a path
 
 
@@ -133,8 +129,8 @@ class Navigator:
         self._now = self._last_plan = self._last_control = now
         self._progress = PathProgress(self.limits, now)
         self.costmap.unbar()
-        self._planned_at = self._good_until = -math.inf
-        self._tries = self._recovery = self._left = 0
+        self._planned_at = -math.inf
+        self._tries = self._recovery = 0
         self._running: Optional[RecoveryBehavior] = None
         self._reason = ""
         self._blind_since = None
@@ -171,7 +167,7 @@ class Navigator:
             self._go(NavigatorState.PLANNING)
             return Tick()
         if self._progress.update(now, self.follower.length_left(pose)):
-            self._left, self._recovery = 0, 0
+            self._recovery = 0
             self.costmap.unbar()
         for trigger, reason in (
             (Trigger.OSCILLATION, self._progress.oscillates(now, pose)),
@@ -251,12 +247,9 @@ class Navigator:
             self.plan = plan
             return False
         self._last_plan, self._tries = now, 0
-        left = self.follower.length_left(pose)
-        good = self._seems_good(now)
-        if keep and good and plan.length > left * LENGTH_RATIO * LEFT_RATIO**self._left:
+        if keep and not self._blocked(pose) and plan.length > LENGTH_RATIO * self.follower.length_left(pose):
             return True
-        self._left += bool(keep) and not good
-        self.plan, self._good_until = plan, now
+        self.plan = plan
         self.follower.set_plan(self.plan.points, self.goal)
         self.on_plan(self.plan.points)
         self._progress.set_path(now, plan.length)
@@ -264,20 +257,15 @@ class Navigator:
 
     def _replan(self, now: float, pose: Pose2D) -> bool:
         """Replan if necessary. Return whether there is a path to follow."""
-        if not self._blocked(pose):
-            self._good_until = now
         if self._asked is not None:
             return self._make_plan(now, pose) is not False
         if not self._changed:
             return True
         since = now - self._planned_at
         due = self.limits.planner_frequency > 0 and since >= 1.0 / self.limits.planner_frequency - 1e-3
-        if due or (since >= PLAN_PERIOD and not self._seems_good(now)):
+        if due or (since >= PLAN_PERIOD and self._blocked(pose)):
             return self._make_plan(now, pose, keep=True) is not False
         return True
-
-    def _seems_good(self, now: float) -> bool:
-        return now - self._good_until <= BLOCKED_TIME * self._left
 
     def _blocked(self, pose: Pose2D) -> bool:
         """Return whether the path before the robot is blocked."""

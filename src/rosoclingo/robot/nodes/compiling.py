@@ -56,11 +56,15 @@ def _navigate() -> None:
         for x in (3.0, 0.3):  # the second goal is next to a wall
             navigator.set_goal(0.0, Pose2D(x, 1.5, 1.0))
             navigator.tick(0.0, pose, Velocity(), 0.1)
+            navigator.obstacles_changed()
+            navigator.tick(2.0, pose, Velocity(), 0.1)  # plans again, and checks the present path
             follower.can_turn(costmap, pose, 1.0)
         for _ in range(4):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
             follower.compute(costmap, pose, Velocity(), 4.0)  # a long period, so that the robot creeps
-        BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1).arc_to_room(0.0, 0.1)
+        body = BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1)
+        body.has_room(0.0)
+        body.arc_to_room(0.0, 0.1)
         costmap.costs()
 
 
