@@ -104,6 +104,11 @@ class PlanSolver(PlanningSolver):
         """The snapshot of the history."""
         return self.log.snapshot(self.program)
 
+    @property
+    def atoms(self) -> int:
+        """The number of atoms of the last search's grounding."""
+        return 0 if self._searched is None else self._searched.runner.grounding.size
+
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:

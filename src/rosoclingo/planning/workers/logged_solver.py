@@ -40,6 +40,11 @@ class LoggedSolver(ReactiveSolver):
         self.log = self.log.with_entries(AcceptedUpdate(update, self.horizon))
         return result
 
+    @property
+    def atoms(self) -> int:
+        """The number of atoms is not known."""
+        return 0
+
     @staticmethod
     def recent(answer: Answer) -> Answer:
         """Return ``answer``; this solver keeps the atoms of old cycles."""

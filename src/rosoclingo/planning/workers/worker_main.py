@@ -34,7 +34,10 @@ NICENESS = 10
 """Niceness of an explaining process."""
 
 GROWTH = 32 * 2**20
-"""Growth in bytes after which a worker is replaced; half of its first size if that is more."""
+"""Growth in bytes after which a worker is replaced; half of its memory if that is more."""
+
+LARGER = 1.25
+"""Factor between the numbers of atoms of two groundings from which their memory is not compared."""
 
 REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
@@ -52,7 +55,7 @@ class WorkerMain:
         """Use a loaded ``program``; for the options see :class:`WorkerPool`."""
         self._connection, self._program, self._growth = connection, program, growth
         self._solver = _make_solver(program, **options)
-        self._most_memory: Optional[int] = None  # in bytes
+        self._most_memory, self._most_atoms = 0, -1  # in bytes, and the size of a grounding
         self._start = History()  # the history before the command
         self._interrupted = False
         self._reported = time.monotonic()
@@ -69,10 +72,14 @@ class WorkerMain:
                 self._connection.send(reply._replace(has_grown=has_grown))
 
     def _has_grown(self) -> bool:
-        """Return whether this process uses much more memory than at the first call: clingo never frees symbols."""
+        """Return whether this process uses much more memory than for its largest grounding before.
+
+        clingo never frees symbols.
+        """
         memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        if self._most_memory is None:
-            self._most_memory = memory + (max(GROWTH, memory // 2) if self._growth is None else self._growth)
+        if self._solver.atoms > LARGER * self._most_atoms:
+            growth = max(GROWTH, memory // 2) if self._growth is None else self._growth
+            self._most_memory, self._most_atoms = memory + growth, self._solver.atoms
         return memory > self._most_memory
 
     def _execute(self, command: WorkerCommand) -> WorkerReply:

@@ -160,14 +160,16 @@ def test_standby_takes_the_place_of_killed_worker():
 
 
 @pytest.mark.slow
-def test_worker_that_has_grown_is_replaced():
-    many = "#show.\n#external big/1.\n#cumulative t.\nn(X) :- big(B), X = 1..B, t = 1.\n"
+def test_worker_that_has_grown_without_a_larger_grounding_is_replaced():
+    many = "#show.\n#external big/1.\n#cumulative t.\nn(B,X) :- big(B), X = 1..100000, t = 1.\n"
     with pool_of(many, **PLANS, growth=2**22) as pool:
         solver, pids = ProcessSolver(pool), []
-        for text in ("1.", "1.", "1. big(200000).", "2."):
+        log = solver.log
+        for text in ("1.", "1.", "1. big(1).", "1. big(1).", "1. big(2).", "1. big(3)."):
+            solver.restore(log)
             fed(solver, text)
             pids.append(pool.pid)
-    assert [pids.index(one) for one in pids] == [0, 0, 2, 2]
+    assert pids[0] == pids[3] != pids[4], "the atoms of big(1) are never freed"
 
 
 # ---- Stops -----------------------------------------------------------------------------------------------------------
