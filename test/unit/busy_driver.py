@@ -50,12 +50,11 @@ class BusySolver(PlanSolver):
 class BusyDriver(Driver):
     """A driver of a core that can plan in time for at most ``most`` goals, and sometimes for none at all.
 
-    The validity of the last plan is known at once. ``heavy`` maps goals to the patience without which even they alone
-    take too long. ``seconds`` gives the duration of planning by the number of goals.
+    The validity of the last plan is known at once. ``seconds`` gives the duration of planning by the number of goals.
     """
 
-    def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, heavy=None, plan_time=None):
-        self.most, self.heavy, self.chance, self.random = most, heavy or {}, chance, Random(1)
+    def __init__(self, text=ERRANDS, settings=None, program=None, most=3, chance=0.0, plan_time=None):
+        self.most, self.chance, self.random = most, chance, Random(1)
         self.plan_time = plan_time
         self.searches, self.cut, self.seconds = [], False, lambda goals: 0.0
         settings = settings or CoreSettings(horizon_limit=30)
@@ -78,8 +77,7 @@ class BusyDriver(Driver):
         goals = [goal for goal in self.core.queue.served if not self.left_out(goal, text)]
         self.searches.append(len(goals))
         patience = self.core.queue.patience
-        weight = max((self.heavy.get(goal.key, 1) for goal in goals), default=1)
-        much = len(goals) > self.most * patience or weight > patience or self.random.random() < self.chance
+        much = len(goals) > self.most * patience or self.random.random() < self.chance
         self.cut = much and bool(goals) and not any(isinstance(item, Volatile) for item in update.items)
         return self.cut
 

@@ -2,10 +2,8 @@
 
 from types import SimpleNamespace
 
-from rosoclingo.oclingo import parse_atom, parse_update
+from rosoclingo.oclingo import parse_atom
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.oclingo.progression.lifetimes import FOREVER
-from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.history import cycle_of
 from rosoclingo.planning.question import UNKNOWN, Reply
 from rosoclingo.planning.snapshot import Snapshot
@@ -22,7 +20,7 @@ class FakeGrounding:
     The steps up to ``horizon`` are ground. A question about several horizons finds the plan of the last one. Horizon
     ``h`` is refuted after ``hard[h]`` conflicts; from horizon ``dead`` on the program is hopeless. After ``halts``
     questions there is a stop, which interrupts the last one if it is ``cut``. The program ``claims`` to need so many
-    steps; it has ``several`` robots. With ``running``, the action of the cycle before goes on.
+    steps.
 
     Notes in ``asked``: ``2..5/100`` for these horizons and conflicts; then ``+3`` and ``-4`` for the cycles of actions
     assumed true and false, ``!`` for the best answer (``!0`` for all), ``?`` without advice; ``>7`` for growing to 7.
@@ -36,15 +34,12 @@ class FakeGrounding:
         self.dead, self.halts, self.cut = options.get("dead"), options.get("halts"), options.get("cut", False)
         self.claims = options.get("claims", 0)
         advises, optimizes = options.get("advises", False), options.get("optimizes", False)
-        several, self.running = options.get("several", False), options.get("running", False)
-        self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes, actions_go_on=several)
+        self.program = SimpleNamespace(forgets=(), advises=advises, optimizes=optimizes, actions_go_on=False)
         self.asked, self.questions = [], 0
 
     def run(self, make, block):
         """Return what the strategy made by ``make(runner)`` finds, None after a stop; and the notes."""
-        running = parse_update(f"#step {self.step}. _running(go,x,{self.step - 1}). #endstep.").items
-        items = tuple(TimedStatement(one, FOREVER, self.step) for one in running if self.running)
-        snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon, items=items)
+        snapshot = Snapshot(step=self.step, min_horizon=self.step, horizon=self.horizon)
         runner = StrategyRunner(self.program, snapshot, self.build, block, self.most)
         try:
             found = runner.run(make(runner), lambda: self.halts is not None and self.questions >= self.halts)

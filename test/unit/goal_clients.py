@@ -1,7 +1,7 @@
 """Clients of a goal manager without a solver: their requests, the updates to the program, and the replies."""
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.events import Announcer, GoalChanged, GoalProgress
+from rosoclingo.reasoning.events import Announcer, GoalProgress
 from rosoclingo.reasoning.goal_manager import GoalManager
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
@@ -84,12 +84,6 @@ class Clients:
         """Bar these goals, or all, from deferral."""
         self.goals.queue.keep([self.goal(number) for number in numbers_of(goals)] if goals else self.goals.live)
 
-    def give_time(self):
-        self.goals.queue.give_time()
-
-    def go_on(self):
-        self.goals.queue.reset_patience()
-
     # -- expectations, as words of a script
 
     def has(self, *goals):
@@ -99,10 +93,6 @@ class Clients:
     def lacks(self, *goals):
         """Expect these goals to be queued."""
         assert self.waiting == numbers_of(goals)
-
-    def size(self, number):
-        """Expect a window of this size."""
-        assert self.goals.queue.size == int(number)
 
     def patience(self, factor, unhurried=None):
         """Expect this factor of a search's time, and ``unhurried`` or ``hurried``."""
@@ -136,19 +126,6 @@ class Clients:
     @property
     def waiting(self):
         return numbers(self.goals.queue.waiting)
-
-    @property
-    def live(self):
-        return [goal.key for goal in self.goals.live]
-
-    @property
-    def fed(self):
-        return [goal.key for goal in self.goals.fed]
-
-    def ends(self):
-        return [
-            (one.key, one.outcome) for one in self.reports if isinstance(one, GoalChanged) and one.outcome is not None
-        ]
 
 
 def crowd(goals, **limits):

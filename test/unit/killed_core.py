@@ -1,8 +1,13 @@
-"""A core over a journal, its clients and its interfaces, for tests that kill processes at any instant."""
+"""A core over a journal, its clients and its interfaces, for tests that kill core and interfaces at any instant.
+
+The interfaces remember their actions as the real ones do.
+"""
 
 import contextlib
 import copy
+import tempfile
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from core_driver import ERRANDS, shortest
@@ -10,6 +15,7 @@ from hypothesis import strategies as st
 from workloads import sized
 
 from rosoclingo.common import database
+from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
@@ -58,10 +64,10 @@ class Fate:
         self._on_disk = 0  # bytes of the log that survive a crash of the machine
 
     def kills_at_every_instant(self):
-        """Return a kill at each instant, within a write at three shares of it; every 31st if examples are few."""
+        """Return a kill at each instant, within a write at three shares of it; every 29th if examples are few."""
         shares = {False: (0,), True: (0, 500, 1000)}
         kills = [(at, share) for at in range(1, self.instants + 1) for share in shares[at in self.writes]]
-        return kills[:: sized(standing=31, full=1)]
+        return kills[:: sized(standing=29, full=1)]
 
     @contextlib.contextmanager
     def rules(self):
@@ -112,17 +118,20 @@ class Fate:
 
 
 class World:
-    """Clients and interfaces that outlive the core: goals by number, executed actions, and reports about them.
+    """Clients, a process with all interfaces, and action servers, which outlive the core.
 
-    This world has errands; ``program`` and ``horizon_limit`` belong to the core; with ``any_plan`` each core finds
-    others.
+    The servers survive every kill. They know each goal by its id: the action, and its end, None while it runs. The
+    messages of the interfaces wait in ``said`` until the core takes them. This world has errands; ``program`` and
+    ``horizon_limit`` belong to the core; with ``any_plan`` each core finds others.
     """
 
     program, horizon_limit, any_plan = PROGRAM, 8, True
 
-    def __init__(self):
-        self.goals, self.cancelled = {}, set()
-        self.answers, self.done, self.ends = {}, Counter(), {}
+    def __init__(self, folder, fate):
+        self.goals, self.cancelled, self.done, self.ends = {}, set(), Counter(), {}
+        self._folder, self._fate = folder, fate
+        self._servers, self._memory, self.said = {}, None, []
+        self.kills = 0
 
     def hear(self, event):
         """Receive a message of the core."""
@@ -136,19 +145,90 @@ class World:
         """End a goal; a repeated end must have the same words."""
         assert self.ends.setdefault(key, state) == state
 
+    @contextlib.contextmanager
+    def living(self):
+        """Run a method only while the interfaces' process lives."""
+        try:
+            yield
+        except KilledError:
+            self.kill()
+            self._fate.let_go()
+
+    def kill(self):
+        """Kill the process and close its file."""
+        self.kills += 1
+        if self._memory is not None:
+            self._memory.close()
+        self._memory = None
+
+    @property
+    def is_up(self):
+        """Return whether the process lives."""
+        return self._memory is not None
+
+    def begin_again(self):
+        """Restart the process, which then receives the core's run."""
+        with self.living():
+            memory = ActionMemory(self._folder, "hand")
+            try:
+                memory.begin_run("run")
+            except KilledError:
+                memory.close()
+                raise
+            self._memory = memory
+
     def command(self, action):
-        """Execute an action unless it is known already."""
-        assert not self.done[str(action.parameter)] or action in self.answers, f"{action} is done already"
-        begun = [one for one, value in self.answers.items() if value is None and one.parameter == action.parameter]
-        assert begun in ([], [action]), f"{action}: {begun} is under way"
-        if self.answers.setdefault(action, None) is None and str(action.interface) == "quick":
-            self.do(action, True)  # it is executed as soon as it is received
+        """Deliver an action of the core, perhaps again; a dead process does not receive it."""
+        if self.is_up:
+            with self.living():
+                self._take(action)
+
+    def _take(self, action):
+        known = self._memory.recall(str(action.atom))
+        if known is not None and known.facts is not None:
+            self.said.append(list(known.facts))
+        elif known is None or known.goal not in self._servers:  # killed before the server heard of it
+            goal = f"goal {len(self._servers) + 1}"
+            self._fate.pass_instant()
+            self._memory.note_begun(str(action.atom), goal)
+            self._fate.pass_instant()
+            self._send(goal, action)
+            self._fate.pass_instant()
+        self._look(action)
+
+    def _send(self, goal, action):
+        """Hand a goal to a server; no action must reach the world twice."""
+        assert action not in [one for one, _ in self._servers.values()], f"{action} is begun twice"
+        assert not self.done[str(action.parameter)], f"{action} is done already"
+        self._servers[goal] = (action, None)
+        if str(action.interface) == "quick":
+            self._end(goal, True)
+
+    def _end(self, goal, good):
+        action, _ = self._servers[goal]
+        self._servers[goal] = (action, self.execute(action, good))
 
     def do(self, action, good):
-        """End an action with success or failure; an ended one stays as it is. Return its answer."""
-        if self.answers[action] is None:
-            self.answers[action] = f"_return({action.interface},{self.execute(action, good)},{action.cycle})"
-        return self.answers[action]
+        """End the action of a server with success or failure, even if nobody receives the result."""
+        for goal, (one, value) in list(self._servers.items()):
+            if one == action and value is None:
+                self._end(goal, good)
+        if self.is_up:
+            with self.living():
+                self._look(action)
+
+    def _look(self, action):
+        """Answer an action that has ended, unless it was answered before."""
+        known = self._memory.recall(str(action.atom))
+        if known is None or known.facts is not None:
+            return
+        _, value = self._servers[known.goal]
+        if value is not None:
+            facts = (f"_return({action.interface},{value},{action.cycle})",)
+            self._fate.pass_instant()
+            self._memory.note_answered(str(action.atom), facts)
+            self._fate.pass_instant()
+            self.said.append(list(facts))
 
     def execute(self, action, good):
         """Execute an action; return its value."""
@@ -237,11 +317,11 @@ class Node:
 
 
 class Play:
-    """A core that is rebuilt after each kill, and its input."""
+    """A core and interfaces, each of which is rebuilt after a kill, and their input."""
 
-    def __init__(self, path, fate, preempt, world=None):
-        self._path, self._fate, self._preempt = path, fate, preempt
-        self.world, self._folder, self._node = world or World(), None, None
+    def __init__(self, path, fate, kind, preempt):
+        self._path, self._fate, self._preempt = path / "core", fate, preempt
+        self.world, self._folder, self._node = kind(path / "interfaces", fate), None, None
         self.kills = 0
         self._begin_again()
 
@@ -264,10 +344,18 @@ class Play:
                 return
 
     def _greet(self):
-        """Repeat the answers of the interfaces."""
+        """Exchange the core's greeting after either side has restarted."""
+        self.world.said.clear()
+        while not self.world.is_up:
+            self.world.begin_again()
         for action in self._node.core.awaited:
-            if self.world.answers[action] is not None:
-                self._node.core.receive("hand", [self.world.answers[action]])
+            self.world.command(action)
+        self._hear()
+
+    def _hear(self):
+        said, self.world.said[:] = list(self.world.said), []
+        for facts in said:
+            self._node.core.receive("hand", facts)
 
     def _cancel_one(self):
         live = [key for key in self.world.goals if self._node.core.goal(key) is not None]
@@ -277,6 +365,8 @@ class Play:
     def _kill(self):
         self.kills += 1
         self._fate.let_go(self._folder)
+        if self._fate.upset:
+            self.world.kill()
 
     def play(self, script):
         """Play a script, then let all actions succeed and end; the result must be true."""
@@ -291,6 +381,14 @@ class Play:
         return self
 
     def _happen(self, what, *values):
+        self._attempt(what, *values)
+        for _ in range(100):
+            if self.world.is_up and not self.world.said:
+                return
+            self._attempt(self._hear if self.world.is_up else self._greet)
+        raise AssertionError("core and interfaces do not come to rest")
+
+    def _attempt(self, what, *values):
         try:
             what(*values)
             self._node.run()
@@ -315,12 +413,18 @@ class Play:
         """End the actions under way."""
         awaited = self._node.core.awaited
         if awaited:
-            action = awaited[which % len(awaited)]
-            self._node.core.receive("hand", [self.world.do(action, good)])
+            self.world.do(awaited[which % len(awaited)], good)
 
     def fact(self, fact):
         """Send another fact."""
         self._node.core.receive("sensor", [fact])
+
+
+def played(script, kills=(), kind=World, preempt=False):
+    """Play a script with kills and return the result."""
+    fate = Fate(kills)
+    with tempfile.TemporaryDirectory() as name, fate.rules():
+        return Play(Path(name), fate, kind, preempt).play(script), fate
 
 
 #: The events of a play, and the kills of a fate.

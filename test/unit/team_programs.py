@@ -5,8 +5,5 @@ from pathlib import Path
 #: Goals job(Machine,Id); see the file.
 TEAM = (Path(__file__).resolve().parents[1] / "data" / "team.lp").read_text()
 
-#: As TEAM, but a job waits until the program has seen the request.
-LATER = TEAM.replace("_request(job(M,I),t+1)", "_request(job(M,I),t)")
-
 #: As TEAM, but a plan can leave out a running action.
 FREE = TEAM.replace("_action_lib(A,P,t) :- _running(A,P,t-1).\n", "")

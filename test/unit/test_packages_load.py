@@ -73,12 +73,12 @@ for name in sys.argv[2].split(","):
     ids=["reasoning", "others"],
 )
 def test_packages_for_own_robot_need_no_simulation(packages):
-    """the rviz tools use numpy as well"""
+    """the rviz tools and maps use numpy as well"""
     if subprocess.run([sys.executable, "-c", "import rospy, rosoclingo.msg"], check=False, timeout=120).returncode:
         pytest.skip("there is no built workspace")
     fronts = [importlib.import_module(f"rosoclingo.{one}") for one in packages]
     names = [info.name for one in fronts for info in pkgutil.walk_packages(one.__path__, f"{one.__name__}.")]
-    without_numpy = [name for name in names if not name.startswith("rosoclingo.nodes.rviz.")]
+    without_numpy = [name for name in names if not name.startswith(("rosoclingo.nodes.rviz.", "rosoclingo.runs.map_"))]
     for lacking, wanted in (("numba,llvmlite,PIL,scipy", names), ("numpy", without_numpy)):
         command = [sys.executable, "-c", WITHOUT, lacking, ",".join(wanted)]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)

@@ -34,56 +34,6 @@ seen(P,t) :- _closed(P,t), place(P).
 :- wanted(P,t), not at(P,t), not failed(P,t).
 """
 
-#: A robot grabs a thing, goes to the door and drops it there; if it cannot go, the goal is aborted and it keeps the
-#: thing.
-CARRIES = """
-#program base.
-thing(cup). thing(pen). spot(desk). spot(door). at(desk,0).
-#program cumulative(t).
-#external _request/2. #external _return/3.
-wanted(X,t) :- _request(bring(X),t+1), thing(X), not _request(cancel(X),t).
-wanted(X,t) :- wanted(X,t-1), not dropped(X,t-1), not failed(t-1), not _request(cancel(X),t).
-{ _action_lib(go,S,t) : spot(S), not at(S,t-1);
-  _action_lib(grab,X,t) : wanted(X,t), not held(X,t-1), at(desk,t-1);
-  _action_lib(drop,X,t) : wanted(X,t), held(X,t-1), at(door,t-1) } 1 :- wanted(Y,t).
-failed(t) :- _action_lib(A,P,t), _return(A,V,t), V != P.
-moved(t) :- _action_lib(go,S,t), not failed(t).
-at(S,t) :- _action_lib(go,S,t), not failed(t).
-at(S,t) :- at(S,t-1), not moved(t).
-held(X,t) :- _action_lib(grab,X,t), not failed(t).
-held(X,t) :- held(X,t-1), not dropped(X,t).
-dropped(X,t) :- _action_lib(drop,X,t), not failed(t).
-_status(X,accepted,t) :- wanted(X,t).
-_status(X,succeeded,t) :- wanted(X,t-1), dropped(X,t-1).
-_status(X,aborted,t) :- wanted(X,t-1), failed(t-1).
-_status(X,canceled,t) :- _request(cancel(X),t), not dropped(X,t-1), not failed(t-1).
-#show _action_lib/3. #show _status/3.
-#program volatile(t).
-:- wanted(X,t), not dropped(X,t), not failed(t).
-"""
-
-#: The effects follow from the returns of the step before, whose values are compared.
-ECHO = """
-#program base.
-job(wash). job(iron).
-#program cumulative(t).
-#external _request/2. #external _return/3.
-wanted(J,t) :- _request(do(J),t+1), job(J), not _request(cancel(J),t).
-wanted(J,t) :- wanted(J,t-1), not came(J,t), not failed(J,t), not _request(cancel(J),t).
-{ _action_lib(run,J,t) : wanted(J,t) } 1.
-came(J,t) :- _action_lib(run,J,t-1), _return(run,J,t-1).
-failed(J,t) :- _action_lib(run,J,t-1), _return(run,V,t-1), V != J.
-_status(J,accepted,t) :- wanted(J,t).
-_status(J,succeeded,t) :- came(J,t).
-_status(J,aborted,t) :- failed(J,t).
-_status(J,canceled,t) :- _request(cancel(J),t), not came(J,t), not failed(J,t).
-tried(J,t) :- _action_lib(run,J,t).
-tried(J,t) :- tried(J,t-1), not _request(do(J),t+1).
-#show _action_lib/3. #show _status/3.
-#program volatile(t).
-:- wanted(J,t), not tried(J,t).
-"""
-
 #: Two machines run at once, and a cycle ends with the first return; failed goals are aborted.
 MACHINES = """
 #program base.

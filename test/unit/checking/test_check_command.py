@@ -123,12 +123,6 @@ def test_check_reports_unreadable_files(folder, run, arguments):
     assert all(one in line for one, line in zip(missing, err.splitlines()))
 
 
-def test_check_rejects_a_wrong_command_line(folder, run):
-    with pytest.raises(SystemExit) as ended:
-        run("lift.lp", "--nonsense")
-    assert ended.value.code == 2
-
-
 @pytest.mark.slow
 def test_check_script_reads_standard_input():
     script = lint_programs.ROOT / "scripts" / "check"
@@ -137,11 +131,6 @@ def test_check_script_reads_standard_input():
     )
     assert done.returncode == 1
     assert done.stdout.startswith("<stdin>:4:14: warning: no rule")
-
-
-def test_check_omits_silenced_findings(folder, run):
-    (folder / "quiet.lp").write_text(PROGRAM.replace("cal(F,t).", "cal(F,t). % check: ok undefined (a test)"))
-    assert run("quiet.lp")[0] == 0
 
 
 @pytest.mark.parametrize("name", ["assert_retract", "back", "bodies", "bound"])

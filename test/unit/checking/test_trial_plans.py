@@ -82,14 +82,6 @@ def test_trial_plans_sample_each_kind_of_request(run, tmp_path):
     assert "a sample: no request can be formed from the names in the facts" in run("--plan")[1]
 
 
-def test_trial_plan_is_bounded_by_steps(run):
-    assert run("--plan", "go(c)", "--steps", "1")[0] == 0
-    code, out, _ = run("--plan", "go(c)", "--stream", "walked.str", "--steps", "1", "--plan", "go(a)")
-    assert code == 1
-    assert "go(c): a plan up to step 3\n" in out
-    assert "go(a): No plan of at most 1 step; a longer plan may exist.\n" in out
-
-
 @pytest.mark.slow
 def test_trial_plans_explain_updates_without_an_answer(run, tmp_path):
     (tmp_path / "wrong.str").write_text("#step 1. _request(go(d),2). #end step.\n")
@@ -134,10 +126,3 @@ def test_trial_plan_reports_its_time_limit(run):
     code, out, _ = run("--plan", "go(c)", "--seconds", "0.000000001")
     assert code == 1
     assert out.endswith("go(c): no plan was found in 1e-09 s\n")
-
-
-def test_trial_plan_reports_a_request_without_rules(run):
-    code, out, _ = run("--plan", "og(c)", "--plan", "go(c)")
-    assert code == 1
-    assert "og(c): no rule of the program can see it: did you mean go(c)?" in out
-    assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))

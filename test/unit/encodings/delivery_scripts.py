@@ -31,11 +31,6 @@ class Delivery(Driver):
         """Expect moves to these places."""
         assert [one.split(",")[1] for one in self.since() if one.startswith("move_base")] == list(places)
 
-    def drove(self, *places):
-        """Expect the last moves to be to these places."""
-        moves = [one.split(",")[1] for one in self.since() if one.startswith("move_base")]
-        assert moves[-len(places) :] == list(places)
-
     def reach(self, action):
         """Let all actions succeed until this action, as INTERFACE,PARAMETER, is under way."""
         while not any(one.startswith(f"_action_lib({action},") for one in self.awaited):

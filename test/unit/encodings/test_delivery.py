@@ -57,9 +57,3 @@ def test_delivery_names_are_listed_or_begin_with_underscore():
     assert names <= known
     given = {one.name for one in known - names if not one.name.startswith("_")}
     assert given == {"place", "connection", "distance", "start", "kind", "cancel", "order", "refused", "later"}
-
-
-def test_delivery_constants_do_not_clash_with_names_of_things():
-    names = {one.name for one in statements(*FILES) if one.ast_type == ASTType.Definition}
-    assert {name for name in names if not name.startswith("_")} == {"capacity", "tries"}
-    assert names - {"capacity", "tries"} == {"_told", "_memory", "_window", "_period", "_most", "_late"}

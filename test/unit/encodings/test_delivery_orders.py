@@ -3,13 +3,20 @@
 import pytest
 from mailbot_world import neighbours, program
 from office_world import Office
-from test_heuristic import ROW, errands
 
 from rosoclingo.oclingo import parse_update
 from rosoclingo.planning.history import cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.strategies import reorder
 from rosoclingo.reasoning.keywords import action_of
+
+ROW = tuple((number, number + 1) for number in range(1, 20))
+
+
+def errands(number, offices):
+    """Return a number of requests between offices, always the same."""
+    pairs = ((7 * one % offices + 1, (3 * one + one // 5 + 2) % offices + 1) for one in range(number))
+    return [(a, b if b != a else b % offices + 1) for a, b in pairs]
 
 
 def improved(corridors, requests, questions):

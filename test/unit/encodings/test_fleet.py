@@ -122,17 +122,6 @@ def _words(action):
     return str(action.interface.arguments[0]), action.interface.name, int(re.sub(r"\D", "", str(action.parameter)))
 
 
-@pytest.mark.slow
-def test_fleet_robots_act_at_the_same_time():
-    fleet = Fleet(RING, {"r1": 1, "r2": 4})
-    fleet.ask(1, 1, 2)
-    fleet.core.add_goal("2", "goal(office4,office5,2)")
-    fleet.world.ask([Request(2, 4, 5)])
-    fleet.end("r1").end_all()
-    assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
-    assert fleet.world.at["r2"] == 5
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("robots", [3, 2, 4])
@@ -214,22 +203,6 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
     fleet.facts("_decommission(r1,now)").ask(2, 2, 3).end_all()
     assert (fleet.last(1), fleet.last(2)) == ("succeeded", "succeeded")
     assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("reason", [None, "failed"])
-@pytest.mark.parametrize("back_first", [False, True])
-def test_fleet_robot_that_was_lost_while_it_picked_up_delivers(reason, back_first):
-    fleet = Fleet(RING, {"r1": 1, "r2": 4})
-    fleet.ask(1, 4, 6).facts("_lost(r2,now)")
-    for event in ("back", "end") if back_first else ("end", "back"):
-        if event == "back":
-            fleet.facts("_back(r2,now)")
-        else:
-            fleet.end("r2") if reason is None else fleet.break_off("r2", reason)
-    fleet.end_all()
-    assert fleet.last(1) == ("succeeded" if back_first else "aborted")
 
 
 EVENTS = ("end", "end", "end", "ask", "fail", "cancel", "lost", "back", "decommission", "recommission")

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import pytest
-from core_scripts import play, scripts
+from core_scripts import scripts
 from golog_programs import ENCODINGS
 from golog_scripts import domain_with, run
 
@@ -15,119 +15,23 @@ PROCEDURES = """
 proc other { a; await f; b; }
 proc other(X) { pick Y: is(Y) and X = Y { if Y = a { a; } else { b; } } }
 proc pair { a; b; }
-proc ac { a; c; }
 proc one(X) { pick Y: is(Y) and X = Y { if Y = c { c; } else { d; } } }
-proc row { search { a; b; c; } }
 proc waiting { await g; d; }
-proc endless { interrupts { when f { c; await not f; } when not g { a; b; } } until g; }
-proc served { prefer { interrupts { when f { c; await not f; } } until g; } over { a; b; d; } }
-proc search1 { interleave { alone { a; await f; b; } d; } with { c; } }
-proc search2 { interleave { interleave { alone { a; await f; b; } } with { d; } } with { c; } }
-proc search3 { interleave { try { alone { a; await f; b; } } else { } d; } with { c; } }
 proc late { d; search { a; c; await f; b; } }
-proc twice { a; b; a; c; }
-proc either { if f { b; } else { a; c; } }
 proc lonely { alone { d; if f { b; } else { a; c; } } }
 proc ended1 { prefer { a; while f { d; } await g; } over { b; c; } }
+proc tried { try { retry 1 { a; b; } } else { c; } }
+proc nested { do { do { a; b; } on cancel { c; } } on cancel { tidy; } }
+proc untrue { test f; }
+proc unpicked { pick X: is(X) and f { a; } }
 proc ended2 { prefer { a; if f { d; } else { } await g; } over { b; c; } }
 """
-
-FAILING = [
-    ("a; b;", {"a": 1}, "a a b", "succeeded"),
-    ("a; b;", {"a": 3}, "a a a", "aborted"),
-    ("choose { a; } or { c; d; }", {"a": 3}, "a a a c d", "succeeded"),
-    ("try { a; b; } else { c; } d;", {"b": 1}, "a b c d", "succeeded"),
-    ("try { while not f { a; test f; } } else { c; }", {}, "", "aborted"),
-    ("try { retry 1 { a; b; } } else { c; }", {"b": 2}, "a a b b c", "succeeded"),
-    ("interleave { try { a; } else { b; } } with { c; d; }", {"a": 1}, "a b c d", "succeeded"),
-    ("do { a; b; } on cancel { tidy; }", {"b": 3}, "a b b b tidy", "aborted"),
-]
-
-CANCELLED = [
-    ("a; b; c;", 1, ""),
-    ("do { do { a; b; } on cancel { c; } } on cancel { tidy; }", 1, "c tidy"),
-    ("interleave { do { a; b; } on cancel { c; } } with { test false; }", 0, None),
-    ("search { do { a; b; } on cancel { tidy; } }", 1, "tidy"),
-    ("prefer { await f; a; } over { do { b; c; } on cancel { tidy; d; } }", 1, "tidy d"),
-    ("any order { do { a; b; } on cancel { tidy; } } and { do { c; d; } on cancel { tidy; } }", 1, "tidy"),
-]
-
-HAPPENING = [
-    ("a; if f { b; } else { c; }", ["_set(f,now)"], "a b"),
-    ("a; test f; b;", ["_set(f,now)"], None),
-    ("choose { a; b; } or { a; c; }", ["_set(no(b),now)"], "a c"),
-    ("a; await some X: wanted(X); pick X: wanted(X) { if X = 1 { b; } else { c; } }", ["_set(wanted(2),now)"], "a c"),
-    ("prefer { interrupts { when f { b; await not f; } } until g; } over { a; c; }", ["_set(g,now)"], "a c"),
-    ("interleave { a; c; } with { await f; b; d; }", ["_set(f,now)"], "a b c d"),
-    ("search { a; await f; b; }", ["_set(f,now)"], "a b"),
-    ("do { a; await f; b; } on cancel { }", ["_set(f,now)"], "a b"),
-]
-
-#: Programs without a continuation, and their reasons.
-UNMET = [
-    ("test f;", "the test in line {} of test.golog does not hold"),
-    ("pick X: is(X) and f { a; }", "there is nothing to pick in line {} of test.golog"),
-]
-
-#: The number of each program.
-TEXTS = {
-    text: number
-    for number, text in enumerate(dict.fromkeys(row[0] for row in [*FAILING, *CANCELLED, *HAPPENING, *UNMET]))
-}
 
 
 @lru_cache(maxsize=None)
 def program():
-    """Return all programs of this file as procedures p0, p1, ... in the domain."""
-    texts = [f"proc p{number} {{ {text} }}" for text, number in TEXTS.items()]
-    return domain_with(PROCEDURES + "\n".join(texts))
-
-
-def core(text):
-    """Return a core with a request for a program of TEXTS."""
-    return run(program(), f"goal g run(p{TEXTS[text]},1)")
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.slow
-@pytest.mark.parametrize(("text", "reasons", "actions", "end"), FAILING)
-def test_golog_program_reacts_to_failing_actions(text, reasons, actions, end):
-    """Each of these actions fails a number of times; the executed actions are in alphabetical order."""
-    driver = core(text)
-    found = driver.rest(**{name: ["stuck"] * times for name, times in reasons.items()})
-    assert driver.states("g")[-1] == end
-    assert sorted(found) == actions.split()
-
-
-@pytest.mark.sampled(4)
-@pytest.mark.slow
-@pytest.mark.parametrize(("text", "before", "after"), CANCELLED)
-def test_golog_program_reacts_to_a_cancel(text, before, after):
-    """After a number of actions, a cancel arrives during the next one, which fails."""
-    driver = core(text)
-    if after is None:
-        assert driver.states("g")[-1] == "aborted"
-        return
-    for _ in range(before):
-        driver.succeed()
-    play(driver, f"cancel g; is g preempting; fail stuck; performs {after}; is g preempted")
-
-
-@pytest.mark.sampled(5)
-@pytest.mark.slow
-@pytest.mark.parametrize(("text", "facts", "actions"), HAPPENING)
-def test_golog_program_reacts_to_events_during_execution(text, facts, actions):
-    """The facts arrive while a is under way; a program that never has a plan is aborted."""
-    driver = core(text)
-    assert driver.awaited in ([], ["_action_lib(act,a,1)"])
-    if driver.states("g")[-1] == "active":
-        driver.facts(*facts)
-    found = driver.rest()
-    if actions is None:
-        assert driver.states("g")[-1] in ("aborted", "active")
-        return
-    assert sorted(found) == sorted(actions.split())
-    assert driver.states("g")[-1] == "succeeded"
+    """Return the procedures in the domain."""
+    return domain_with(PROCEDURES)
 
 
 SCENES = {
@@ -150,17 +54,12 @@ SCENES = {
 SLOW_SCENES = {
     "preempted program tries again": f"""
         goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
-    "interrupt precedes the action under way": """
-        goal g run(served,1); facts _set(f,now); step a; does act,c,2; facts _unset(f,now); step c; performs b d
-        is g active; facts _set(g,now); is g succeeded""",
     "failures are counted again when a program is asked for or cancelled": """
         goal g run(pair,1); breaks a; breaks a; goal h run(waiting,2); breaks a; breaks a; cancel h; breaks a; breaks a
         is g active; is h preempted; performs a b""",
     "action within a search was its own though others can act": """
         goal g run(lonely,1); facts _set(shared,now); step d; does act,a,2; facts _set(f,now) _set(no(c),now)
         performs a; is g aborted""",
-    "reason of an impossible action": """
-        facts _set(no(b),now); goal g run(pair,1); is g aborted; says g ... cannot be met...""",
     "reason of failures": """
         goal g run(pair,1); breaks a; breaks a; breaks a; does; says g ...a has failed 3 times in a row...""",
 }  # fmt: skip
@@ -173,9 +72,22 @@ def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
 
-@pytest.mark.parametrize(("text", "why"), UNMET)
-def test_golog_reason_names_where_a_program_is_stuck(text, why):
-    assert why.format(TEXTS[text] + PROCEDURES.count("\n") + 1) in core(text).message("g")
+@pytest.mark.slow
+def test_golog_retries_once_and_undoes_the_inner_program_first():
+    run(program(), "goal g run(tried,1); step a; breaks b; step a; breaks b; performs c; is g succeeded")
+    run(program(), "goal g run(nested,1); step a; cancel g; fail stuck; performs c tidy; is g preempted")
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("untrue", "the test in line {} of test.golog does not hold"),
+        ("unpicked", "there is nothing to pick in line {} of test.golog"),
+    ],
+)
+def test_golog_reason_names_where_a_program_is_stuck(name, why):
+    line = PROCEDURES.partition(f"proc {name} ")[0].count("\n") + 1
+    assert why.format(line) in run(program(), f"goal g run({name},1)").message("g")
 
 
 #: A search that waits for the evening, and a request for one that would wait at once.

@@ -5,8 +5,8 @@ from functools import lru_cache
 import pytest
 from busy_driver import BusyDriver
 from core_driver import Driver
-from core_scripts import play, scripts
-from golog_scripts import domain_with, run
+from core_scripts import play
+from golog_scripts import domain_with
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -31,35 +31,6 @@ NAMES = [line.split()[1] for line in PROGRAMS.splitlines() if line]
 def program():
     """Return the domain with these programs."""
     return domain_with(PROGRAMS)
-
-
-GIVEN_UP = "goal old run(tidied,1); succeed; stuck 3; is old aborted; does act,tidy,..."
-
-#: Scripts that are all played without a problem.
-STORIES = {
-    "identifier is used again while its old program is undone": f"""
-        {GIVEN_UP}; goal new run(short,1); succeed; is new active; finish; is new succeeded""",
-    "each program of an identifier is undone in turn": """
-        goal old run(patient,1); succeed; stuck 3; goal new run(patient,1); succeed; cancel new; fail stuck
-        is old aborted; is new preempting; does; facts _set(f,now); performs tidy tidy; is new preempted""",
-    "impossible undo of a cancelled goal is dropped": """
-        goal old run(tidied,1); succeed; cancel old; fail stuck; stuck 3; does; is old preempted
-        says old ...not all that was begun could be undone...; goal new run(short,1); finish; is new succeeded""",
-    "runs of the same program do not touch each other": """
-        goal g run(tidied,1); goal h run(tidied,2); goal i run(short); succeed; cancel h; finish
-        is g succeeded; is h preempted; is i succeeded""",
-    "identifiers are any terms": """
-        goal g run(tidied,undo(1)); goal h run(tidied,1); goal i run(tidied,run(1)); goal j run(tidied,run(1,1))
-        goal k run(tidied,"x"); goal l run(tidied,-2); succeed; cancel h; cancel i; cancel k; finish
-        is g succeeded; is h preempted; is i preempted; is j succeeded; is k preempted; is l succeeded""",
-}
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@scripts(STORIES)
-def test_golog_programs_are_sent_again(row):
-    run(program(), f"{row}; problems 0")
 
 
 @pytest.mark.slow

@@ -91,26 +91,7 @@ def check(floor, updates, note=lambda text: None):
     return outcomes
 
 
-GOAL = "_request(goal(o1,o3,1),{1}+1)."
 SHUT, OPEN = "_blocked(o1,o2,{0}+0).", "_opened(o1,o2,{0}+0)."
-CANCEL = "_request(cancel(1),{1})."
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("updates", "outcomes"),
-    [
-        ([(None, [GOAL]), (None, [SHUT]), (None, []), (None, [OPEN])], [1, 0, 0, 1]),
-        ([(None, [GOAL]), (None, [SHUT]), (None, [CANCEL])], [1, 0, 1]),
-        ([(None, [GOAL]), (None, []), (None, []), (None, [SHUT, CANCEL])], [1, 1, 1, 1]),
-        ([(None, [GOAL]), (None, [SHUT]), (None, ["_opened(o1,o2,{0}+9)."])], [1, 0, 1]),
-        ([(None, [GOAL]), *3 * [("preempted", [])], (None, [GOAL.replace("1)", "2)")])], [1, 1, 1, 0, 1]),
-    ],
-    ids=["opened again", "cancelled", "cancelled, its load cut off", "opened later", "driven by somebody else"],
-)
-def test_no_plan_claims_agree_with_program_without_them(updates, outcomes):
-    assert check("row", updates) == list(map(bool, outcomes))
 
 
 @pytest.mark.slow

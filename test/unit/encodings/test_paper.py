@@ -80,18 +80,3 @@ def test_paper_example_handles_cancels_and_failures(mailbot):
         all a active preempting preempted; goal b goal(office2,office1,2); does move_base,office2,8; fail failed
         does move_base,office2,9; finish; all b active succeeded""",
     )
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-def test_paper_example_serves_five_requests_with_capacity_three(mailbot):
-    for number in range(1, 6):
-        mailbot.core.add_goal(str(number), f"goal(office{number % 4 + 1},office{(number + 1) % 4 + 1},{number})")
-    mailbot.run().finish()
-    carried = most = 0
-    for action in mailbot.journal.actions:
-        carried += ("pickup" in action) - ("deliver" in action)
-        most = max(most, carried)
-    assert carried == 0
-    assert most <= 3
-    assert all(mailbot.states(str(number)) == ["active", "succeeded"] for number in range(1, 6))

@@ -3,15 +3,9 @@
 import pytest
 from core_scripts import scripts
 from delivery_scripts import deliver
-from shipped import shipped
 
 DETOUR = "acts move_base,office2 move_base,office3 pickup,1 move_base,office4 deliver,1"
 FROM_4 = "acts move_base,office3 pickup,1 move_base,office4 deliver,1"
-
-
-def test_correction_counts_for_the_next_action():
-    assert {shipped("mailbot.lp", "office.lp").delay_of(name, 2) for name in ("_at", "_aboard", "_off")} == {1}
-    assert shipped("house.lp", "home.lp").delay_of("_lies", 3) == 1
 
 
 CORRECTIONS = {
@@ -32,11 +26,6 @@ CORRECTIONS = {
         goal a goal(office1,office4,1); succeed; acts pickup,1 move_base,office2; facts _lies(1,office1,now); finish
         acts move_base,office1 pickup,1 move_base,office2 move_base,office3 move_base,office4 deliver,1
         all a active succeeded""",
-    "thing that was picked up and taken off at once": """
-        goal a goal(office1,office4,1); facts _off(1,now); finish; all a active aborted; problems 0""",
-    "cancelled goal whose package was taken off has ended": """
-        goal a goal(office1,office4,1); succeed; cancel a; facts _lies(1,office3,now); finish; is a preempted
-        acts pickup,1 move_base,office2""",
     "places that there are not are refused": f"""
         goal a goal(office3,office4,1); facts _at(cellar,now) _lies(1,cellar,now); finish; {DETOUR}; problems 2
         problem '_at(cellar,now)' from 'interface' is ignored: there is no place cellar...
@@ -51,10 +40,6 @@ SLOW_CORRECTIONS = {
         facts _aboard(1,now) _aboard(2,now) _aboard(3,now); goal a goal(office1,office2,4)
         says a ...the robot is full of things that it could not put down since _aboard(1,1) was reported...
         facts _off(2,now); goal b goal(office1,office2,4); finish; all b active succeeded""",
-    "goal of a vanished thing is aborted": """
-        goal a goal(office1,office4,1); goal b goal(office2,office3,2); succeed; facts _off(1,now); finish
-        all a active aborted; says a ...package 1 is not on the robot; all b active succeeded
-        goal c goal(office3,office4,1); finish; all c active succeeded""",
 }  # fmt: skip
 
 

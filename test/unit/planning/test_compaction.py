@@ -1,6 +1,5 @@
 """Compaction: it changes no answer, and bounds the cost of long streams."""
 
-from collections import Counter
 from dataclasses import replace
 from unittest import mock
 
@@ -16,7 +15,6 @@ from workloads import sized
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom
 from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Statement
 from rosoclingo.planning import grounding
-from rosoclingo.planning.compaction import SHOWN_STEPS
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
@@ -78,7 +76,6 @@ def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
 
 CHOICES = "{ x ; y }. #external door. #external sees/1. #external seen/2. "
 STEP = "#program cumulative(t). #external e(t). c(t) :- e(t). late(t) :- e(t-2). "
-EXTERNALS = STEP + "#program volatile(t)."
 MARKS = "#theory marks { term { - : 1, unary }; &mark/0 : term, any }. "
 
 
@@ -105,33 +102,19 @@ def compact(text, *updates, steps=8, every=1):
     [
         # facts and constraints
         ("", ["e(1).", ":- e(1), x."], 7),
-        ("", ["", ":- not x, not y.", ":- c(2), not x, y."], 7),
-        ("", ["", "", "seen(a,3) :- c(1), x."], 7),
         # rules of the program
-        ("#show c/1.", ["e(1).", "e(2)."], 7),
-        ("_action_lib(go,x,soon(t)) :- e(t), t > 2.", ["", "", "e(3)."], 7),
         ("_action_lib(go,x,t-2) :- e(t), t > 2.", ["", "", "e(3)."], 7),
-        ("next(t) :- c(t-1). unless(t) :- not c(t-1).", ["", "e(2)."], 7),
         ("door :- e(t), t = 1. gate :- e(t), t = 2. #external gate : t = 1.", ["e(1)."], 7),
         (":- late(t), 1 { x ; y }.", ["", "e(2)."], 7),
-        ("day(t). #external o(T) : day(T), T > t-4.", ["", "", "o(3).", "", ":- o(3), x."], 7),
         ("p(t). #volatile t : 3. :- not p(t).", [], 6),
         # atoms that are not fixed
-        ("p(t) :- t = 3, x.", [], 3),
         (":- t = 3, #sum { 1,x : x ; 1,y : y } > 1.", [], 3),
-        ("#edge (t,t+1).", [], None),
         (f"{MARKS} p(t) :- &mark.", [], None),
-        (":- x. :- not x.", [], None),
         # statements with a body that define the atom of a step
         ("", ["e(1) :- x. e(1) :- y.", ":- not c(1)."], None),
-        ("", ["", "", "", "", "e(5) :- x. :- not e(5)."], 5),
         ("d(t) :- sees(t).", ["", "sees(6) :- x. :- not sees(6)."], 6),
-        ("d(t) :- seen(a,t).", ["seen(a,1) :- x.", ":- d(1)."], None),
-        ("s(t) :- door, t > 1.", ["", "door :- c(1). door :- x."], 2),
-        ("s(t) :- door, t > 1. :- door, t = 1.", ["", "door :- c(1). door :- x."], None),
         # lapsing statements
         ("", ["", ":- c(1). #volatile : 9. e(1) :- x."], None),
-        ("", ["", ":- c(1). #assert : r. e(1) :- x.", "", "", "#retract : r."], 7),
         ("s(t) :- x.", ["", "#volatile. :- not x."], None),
     ],
 )
@@ -142,78 +125,19 @@ def test_compaction_keeps_answers_of_any_statements(rules, updates, reached):
         compact(text, *updates, every=4)
 
 
-# ---- Facts and externals of compacted steps --------------------------------------------------------------------------
-
-
-def test_compaction_closes_externals_of_its_steps():
-    solver = compact(EXTERNALS)
-    play(solver, "#step 9 : 0. #over 8.")
-    result = play(solver, "#step 9 : 0. e(7). e(8). e(9).")
-    assert (first(solver), heads(result)) == (8, ["e(7)"])
-    assert {"e(8)", "e(9)"} <= set(atoms(result))
-
-
-@pytest.mark.slow
-def test_compaction_shows_atoms_of_ten_steps_once():
-    solver = compact("a. { x }. :- not x. #external sees/2. s :- sees(y,1). " + EXTERNALS, "e(1). sees(y,1).", "e(2).")
-    shown = sorted(str(atom) for _, atom in solver.snapshot.past.shown)
-    assert shown == ["c(1)", "c(2)", "e(1)", "e(2)", "late(3)", "late(4)", "sees(y,1)"], "base atoms are not kept"
-    for step in range(9, 21):
-        result = play(solver, f"#step {step} : 0. #over {step}. e({step}).")
-    assert first(solver) == 20
-    shown = sorted(f"c({step})" for step in range(19 - SHOWN_STEPS, 21))
-    assert [one for one in atoms(result) if one[0] == "c"] == shown
-    assert "late(4)" not in atoms(result)
-
-
-def test_compaction_drops_unused_facts_and_actions():
-    solver = planner_of(
-        "#external seen/1. #external _request/2. #program cumulative(t). { _action_lib(go,(a;b),t) } 1. "
-        "wanted(t) :- _request(x,t). #program volatile(t).",
-        models=0,
-    )
-    for step in range(1, 6):
-        past = f"#over {step - 1}. #closed {step}."
-        play(solver, f"#step {step} : 0. {past} seen({step}). {'_request(x,1). _request(x,9).' if step == 1 else ''}")
-    snapshot = solver.snapshot
-    assert first(solver) == 4
-    assert sorted(snapshot.closed) == [3, 4, 5], "the last compacted cycle is kept for its returns"
-    assert sorted(map(str, snapshot.permanent)) == ["_request(x,9)."]
-    shown = {str(atom): step for step, atom in snapshot.past.shown if atom.name == "seen"}
-    assert shown == {f"seen({step})": max(1, step - 2) for step in range(1, 6)}, (
-        "each is shown at the last step that was compacted then"
-    )
-
-
 # ---- Long streams of a robot -----------------------------------------------------------------------------------------
 
 #: Answers show all atoms, so that no update is predicted and each is searched.
 ROBOT = LINE.replace("#show _action_lib/3.", "") + "#external blocked(t). :- blocked(t), moved(t).\n"
 
 
-def drive(solver, cycles, margin):
-    """Request a place every second cycle."""
-    for cycle in range(cycles):
-        request = [f"_request({cycle // 2 % 2},{cycle + 2})"] if cycle % 2 == 0 else []
-        over = [Expire(cycle + 2 - margin)] if cycle + 2 > margin else []
-        solver.update(next_update(solver, *request, further=over))
-    return solver
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.slow
-@pytest.mark.parametrize("margin", [5, 0])
-def test_compaction_bounds_the_snapshot_of_a_long_stream(margin):
-    snapshot = drive(planner_of(ROBOT), 40, margin).snapshot
-    assert snapshot.past.first >= 39 - margin
-    assert len(snapshot.past.facts) < 12
-    assert snapshot.size + len(snapshot.closed) < 36 + margin
-
-
 @pytest.mark.slow
 def test_facts_of_compacted_steps_are_too_late():
     """Also for a solver that restored the history of another one."""
-    solver, reader = drive(planner_of(ROBOT), 9, 2), planner_of(ROBOT)
+    solver, reader = planner_of(ROBOT), planner_of(ROBOT)
+    for cycle in range(9):
+        request = [f"_request({cycle // 2 % 2},{cycle + 2})"] if cycle % 2 == 0 else []
+        solver.update(next_update(solver, *request, further=[Expire(max(cycle, 1))]))
     reader.restore(copied(solver.log))
     for one in (solver, reader):
         result = play(one, "#step 11. blocked(3). blocked(11). _request(1,4).")
@@ -251,28 +175,6 @@ def walk(solver, places, facts=(), bound=20):
         more = " ".join(facts[step - 2 : step - 1])
         play(solver, f"#step {step} : {bound}. #closed {step - 1}..{step - 1}. {done}{more}")
     return solver
-
-
-def places_of(solver, horizon):
-    """Return the number of possible places of the robot after each cycle."""
-    known = Grounding(solver.program, solver.snapshot, horizon).possible_atoms
-    return Counter(atom.arguments[1].number for atom in known if atom.name == "at")
-
-
-def test_closed_steps_are_grounded_with_their_actions():
-    """Without the actions, the robot could be in t places after cycle t."""
-    solver = walk(planner_of(CORRIDOR), [5, 6, 7, 8, 7, 6, 5, 4])
-    play(solver, "#step 9 : 20. #closed 8..8. _request(2,8).")
-    places = places_of(solver, 10)
-    assert {cycle: places[cycle] for cycle in range(9)} == dict.fromkeys(range(9), 1)
-    assert places[10] > 1
-
-
-def test_closed_steps_that_share_atoms_ground_together():
-    """clingo refuses to define an atom again after a search."""
-    solver = walk(planner_of(f"{CORRIDOR} #cumulative t. p(X) :- _wet(X,t)."), [5, 5, 5, 5])
-    play(solver, "#step 5 : 20. #closed 4..4. _wet(5,6).")
-    assert places_of(solver, 5)[2] > 1
 
 
 CORRIDOR_PROGRAM = ReactiveProgram.from_text(CORRIDOR)

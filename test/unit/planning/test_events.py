@@ -11,7 +11,7 @@ from foreign_programs import SOUND
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from plain_walk import EARLY, next_update
-from recorded_streams import DOMAINS, Domain
+from recorded_streams import PLANNED
 from stream_logs import text_of
 from stream_play import check_answer, delay_plan, interrupt, stop_after
 
@@ -39,12 +39,26 @@ wanted(X,t) :- wanted(X,t-1), not at(X,t-1).
 LINE = ReactiveProgram.from_text(EARLY)
 #: The first steps have no action.
 LATE = ReactiveProgram.from_text(EARLY + ":- _action_lib(A,X,t), t < 4.")
-PROGRAMS = {
-    "ring": Domain(lambda: RING, lambda draw, number: f"goal({draw.choice('abc')},{number})", ("blocked({})",)),
-    "line": Domain(lambda: LINE, lambda draw, _: str(draw.randint(-3, 4)), ()),
-    "late": Domain(lambda: LATE, lambda draw, _: str(draw.randint(-3, 4)), ()),
-    **{name: DOMAINS[name] for name in ("mailbot", *SOUND)},
+PROGRAMS = {"ring": lambda: RING, "line": lambda: LINE, "late": lambda: LATE}
+PROGRAMS.update({name: PLANNED[name] for name in ("mailbot", *SOUND)})
+#: Patterns of facts from outside; ``{}`` is the cycle.
+FACTS = {
+    "ring": "blocked({})",
+    "mailbot": "_blocked(office1,office2,{})",
+    "vacuum": "_locked(2,{})",
+    "gripper": "_slippery(red,{})",
+    "lift": "_held({})",
+    "patrol": "_rain(gate,{})",
 }
+
+
+def goal_of(name, draw, number):
+    """Return a random goal of a program, with this number."""
+    if name == "ring":
+        return f"goal({draw.choice('abc')},{number})"
+    if name == "mailbot":
+        return f"goal(office{draw.randint(1, 4)},office{draw.randint(1, 4)},{number})"
+    return draw.choice(SOUND[name][1]) if name in SOUND else str(draw.randint(-3, 4))
 
 
 class Trip:
@@ -60,7 +74,7 @@ class Trip:
     LIMIT = 60
 
     def __init__(self, name, draw, plan_time, models=1):
-        self.domain, self.draw, self.plan_time, self.models = PROGRAMS[name], draw, plan_time, models
+        self.name, self.draw, self.plan_time, self.models = name, draw, plan_time, models
         limit = draw.choice([2, 10, 100])
         self.solver = self.new_solver(plan_time=plan_time, log_limit=limit)
         if plan_time is not None:  # the first plans are long, as the first grounding has many steps
@@ -69,7 +83,7 @@ class Trip:
         self.result, self.over, self.goals, self.facts, self.committed = None, 0, 0, set(), set()
 
     def new_solver(self, **options):
-        return PlanSolver(self.domain.program(), models=self.models, horizon_limit=self.LIMIT, **options)
+        return PlanSolver(PROGRAMS[self.name](), models=self.models, horizon_limit=self.LIMIT, **options)
 
     @property
     def first(self):
@@ -86,9 +100,9 @@ class Trip:
         draw, cycle, atoms = self.draw, self.solver.step + 1, []
         if draw.random() < 0.4:
             self.goals += 1
-            atoms.append(f"_request({self.domain.goal(draw, self.goals)},{cycle + 1})")
-        if self.domain.facts and draw.random() < 0.2:
-            atoms.append(draw.choice(self.domain.facts).format(cycle + draw.choice([0, 1, -1])))
+            atoms.append(f"_request({goal_of(self.name, draw, self.goals)},{cycle + 1})")
+        if self.name in FACTS and draw.random() < 0.2:
+            atoms.append(FACTS[self.name].format(cycle + draw.choice([0, 1, -1])))
         over = [Expire(self.over)] if self.over and draw.random() < 0.5 else []
         return next_update(self.solver, *atoms, fails=draw.random() < 0.1, further=over)
 

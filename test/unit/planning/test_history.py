@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 from random_streams import ITEMS, LITERALS, PARTS, RULES, UPDATES, VOLATILE, function, without_undeclared
 from solver_reference import Parts, ShortestReference
 from stream_logs import copied, cut, text_of, texts
-from stream_play import planner_of, play
 from workloads import sized
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolveResult, parse_atom, parse_update
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.progression.updates import CloseCycles, Expire, Literal, Statement, StreamUpdate, Withdraw
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
+from rosoclingo.planning.history import AcceptedUpdate, History, Plan
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.text import snapshot_from_message, snapshot_to_message
@@ -180,18 +179,6 @@ def accepted(text, horizon=1):
 ONE, TWO, THREE = (accepted(f"#over {step}.") for step in (1, 2, 3))
 
 
-def test_history_returns_later_entries_and_last_update():
-    log = History().with_entries(ONE)
-    longer = log.with_entries(TWO, THREE)
-    assert longer.entries_after(longer) == []
-    assert longer.entries_after(log) == [TWO, THREE]
-    assert log.entries_after(longer) is None
-    assert longer.entries_after(History()) is None, "the history can belong to another stream"
-    assert (History().before_update, History().with_entries(AcceptedUpdate(None, 1)).update) == (None, None)
-    for one in (longer, longer.with_entries(AcceptedUpdate(None, 3))):
-        assert (one.before_update, one.update) == (longer.before, THREE.update)
-
-
 def test_history_key_does_not_depend_on_checkpoints():
     log, plan = History().with_entries(ONE, TWO, THREE), Plan(frozenset(), 1)
     first = History().with_entries(ONE).checkpoint(Snapshot()).with_entries(TWO)
@@ -199,31 +186,3 @@ def test_history_key_does_not_depend_on_checkpoints():
     assert log.key == second.key == copied(second).key == History().with_entries(*second.entries).key
     others = [History(), first, first.with_entries(ONE), History().with_entries(TWO, ONE, THREE)]
     assert log.key not in [one.key for one in others]
-
-
-def test_plan_has_the_actions_of_known_cycles():
-    names = ["_action_lib(go,1,3)", "_action_lib(go,2,2)", "_action_lib(go,2,soon)", "_action_lib(go,2)", "at(1,2,3)"]
-    answers = (frozenset(), frozenset(map(parse_atom, names)))
-    plan = Plan.from_result(SolveResult(SolveOutcome.SATISFIABLE, answers, 4, 1, shortest=True))
-    assert plan == Plan(frozenset(map(parse_atom, names[:2])), 4, shortest=True)
-    assert Plan.from_result(SolveResult(SolveOutcome.UNSATISFIABLE, (), 4, 1)) is None
-    assert (plan.last_cycle, Plan(frozenset(), 4).last_cycle < -1000) == (3, True)
-    assert plan.rest(3).actions == {parse_atom(names[0])}
-    assert plan.rest(2) == plan
-    assert plan.delayed() == Plan(frozenset(map(parse_atom, ["_action_lib(go,1,4)", "_action_lib(go,2,3)"])), 5)
-
-
-# ---- Histories of solvers --------------------------------------------------------------------------------------------
-
-PROGRAM = "#cumulative t. #external e(t). #volatile t."
-
-
-def test_history_keeps_at_most_two_checkpoints():
-    solver = planner_of(PROGRAM, log_limit=4)
-    first = solver.log
-    for step in range(1, 31):
-        play(solver, f"#step {step} : 0. #forget {step}.")
-        assert solver.log.length <= 4, "a checkpoint replaces longer histories"
-        assert solver.log.update.step == step
-    assert solver.log.entries_after(first) is None
-    assert isinstance(solver.log.entries[0], Checkpoint)

@@ -4,7 +4,7 @@ import os
 from statistics import median
 
 import pytest
-from recorded_streams import DOMAINS, KINDS, LATE, first_plans, play, recorded, what_if, why
+from recorded_streams import KINDS, LATE, PLANNED, first_plans, play, recorded, what_if, why
 
 pytestmark = pytest.mark.slow
 SAMPLE = int(os.environ.get("ROSOCLINGO_STREAMS", "8"))
@@ -22,14 +22,14 @@ def test_updates_get_the_recorded_answers(kind):
     before, now = 0, 0
     for record in streams(kind):
         for (update, *expected), found in zip(record["updates"], play(record)):
-            if kind in DOMAINS:
+            if kind in PLANNED:
                 before, now = before + (expected[2] or 0), now + (found[2] or 0)
                 expected[2], found[2] = expected[2] is None, found[2] is None
             assert found == expected, (record.get("program"), update)
-    assert now <= 1.05 * before or kind not in DOMAINS
+    assert now <= 1.05 * before or kind not in PLANNED
 
 
-@pytest.mark.parametrize("kind", DOMAINS)
+@pytest.mark.parametrize("kind", PLANNED)
 def test_questions_get_the_recorded_verdicts(kind):
     for record in streams(kind):
         assert what_if(record) == record["verdicts"], record["updates"]

@@ -9,8 +9,6 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.oclingo.progression.parser import parse_update
-from rosoclingo.planning import solver as solver_module
-from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 
@@ -46,26 +44,6 @@ def update_after(plan, step, random, failures):
         ends = f"_return({name},{'blocked' if fails else place},{cycle})."
         lines.append(ends if number == 0 or random.random() < 0.3 else f"_running({name},{place},{cycle}).")
     return f"#step {step} : 12. #closed {step - 1}. {' '.join(lines)} #endstep."
-
-
-@pytest.fixture
-def groundings(monkeypatch):
-    """Count the groundings of planners."""
-    built = []
-    monkeypatch.setattr(solver_module, "Grounding", lambda *args: built.append(1) or Grounding(*args))
-    return built
-
-
-@pytest.mark.parametrize("plan_time", [None, 0.0])
-def test_planner_needs_no_grounding_while_actions_return_or_go_on(plan_time, groundings):
-    solver = PlanSolver(PROGRAM, plan_time=plan_time)
-    solver.update(parse_update("#step 1 : 12. _request(go,1). #endstep."))
-    first, random = len(groundings), Random(1)
-    for step in range(2, 7):
-        solver.search(parse_update(update_after(solver.log.plan, step, random, 0.0)), lambda: False)
-    assert len(groundings) == first
-    solver.search(parse_update(update_after(solver.log.plan, 7, random, 1.0)), lambda: False)
-    assert len(groundings) == first + 1, "a failure is no external of the grounding"
 
 
 @pytest.mark.slow

@@ -3,7 +3,6 @@
 from itertools import combinations
 
 import pytest
-from clingo import parse_term
 from core_driver import Driver, halting, shortest
 from core_scripts import play, scripts
 from hypothesis import example, given, settings
@@ -11,9 +10,6 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, Statement, StreamUpdate, fact, parse_atom, parse_updates
 from rosoclingo.reasoning.events import UpdateSent
-from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.observations import Observation
-from rosoclingo.reasoning.repair import Change
 from rosoclingo.reasoning.settings import CoreSettings
 
 #: One action meets a goal go(Room,Id). Observations of a cycle can deny its actions or other observations; facts
@@ -39,21 +35,13 @@ been(R,t) :- _action_lib(go,R,t).
 
 #: The pairs of the program, the limit of the time, and the script after ``hall`` in cycle 1 and ``den`` in cycle 3.
 REPAIRS = {
-    "late fact is redated": ("denies(fog,hall).", None, """
-        facts _seen(fog,1); sends _seen(fog,5).; problems 1
-        problem _seen(fog,1) from interface interface contradicts that go(hall) was done in cycle 1: redated to ..."""),
     "late fact is withheld if it is impossible now": ("rivals(fog,glow).", None, """
         facts _kind(fog) _seen(glow,1); sends _kind(fog).; problem _seen(glow,1)...the history: withheld"""),
     "fact is withheld before a return": ("", None, """
         facts _kind(odd); goal 3 go(attic,3); fail odd; problems 1; problem _kind(odd)...: withheld"""),
-    "two late facts cannot both be redated": ("denies(fog,hall). denies(glow,hall). rivals(fog,glow).", None, """
-        facts _seen(fog,1) _seen(glow,1); sends _seen(fog,5).; problem _seen(fog,1)...: redated to cycle 5
-        problem _seen(glow,1) from...: withheld"""),
     "no time to find the facts": ("denies(fog,hall).", 0, """
         facts _seen(fog,1) _seen(glow,1); problem _seen(fog,1)...possibly contradicts the history: withheld
         problem _seen(glow,1)...possibly contradicts the history: withheld"""),
-    "time to redate one of them": ("denies(fog,hall).", 1, """
-        facts _seen(fog,1) _seen(glow,1); sends _seen(fog,5)."""),
     "no time to find the actions": ("denies(fog,hall).", 2, """
         facts _seen(fog,1) _seen(glow,1); sends _seen(glow,1). _seen(fog,5).; problems 1
         problem _seen(fog,1)...contradicts the history: redated to cycle 5"""),
@@ -66,15 +54,6 @@ def test_repair_follows_the_script(row):
     driver = Driver(SIGHTS.format(facts=pairs), **({} if looks is None else {"watch_recovery": halting(looks)}))
     play(driver, "goal 1 go(hall,1); finish; goal 2 go(den,2); finish; does; cycle 4")
     assert play(driver, script).finish().core.live_goals == []
-
-
-SHUT = Observation(parse_term("_shut(d,2)"), 3)
-WENT, TOOK = (action_of(parse_term(f"_action_lib({one},2)")) for one in ("go,den", "take,cup"))
-
-
-def test_repair_names_all_contradicted_actions_of_a_cycle():
-    text = "_shut(d,2) contradicts that go(den) and take(cup) were done in cycle 2: withheld"
-    assert str(Change(SHUT, None, (WENT, TOOK))) == text
 
 
 ROOMS, SIGHT_NAMES = ("hall", "den", "attic"), ("fog", "glow", "smoke")

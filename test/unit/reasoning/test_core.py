@@ -1,7 +1,5 @@
 """The cycle: batching, idling, deferral, returns, cancels, time-outs, and the reported problems."""
 
-import re
-
 import pytest
 from core_driver import ERRANDS, DeferringSolver, Driver
 from core_scripts import play, scripts
@@ -49,9 +47,6 @@ done(I,t) :- _request(cancel(I),t).
 #show _action_lib/3.
 """
 
-DECLARED = "#external _request(do(walk,1..2),1..20). #external _request(cancel(1..2),1..20)."
-
-
 #: The program, its settings, and the script.
 CYCLES = {
     "arrivals while an action runs are batched in order": (ERRANDS, {}, """
@@ -62,29 +57,19 @@ CYCLES = {
         goal 1 go(1); does go,1,4; finish; is 1 succeeded; sends :- not _action_lib(go,1,4). _return(go,1,4).
         goal 2 go(2); does go,2,8; finish; goal 3 go(3); finish; goal 4 go(4); does go,4,16; finish; goal 5 go(5)
         finish; is 5 succeeded; problems 0"""),
-    "program that plans before any request": (ALONE, {}, "does wake,up,2; sent ; sends ; cycle 2"),
     "return that the program does not know ends the action": (ALONE, {}, """
         does wake,up,2; succeed; does; cycle 3; problem ...declares no external _return/3..."""),
     "goal without actions is judged in the cycle of its request": (AT_ONCE, {}, """
         goal a told(1); goal b asked(2); all a active succeeded
         says b no rule of the program can see asked(2): rules match told(I)"""),
-    "core waits for a goal without actions": (UNDER_WAY, {}, "goal a told(1); all a active; does; cycle 2"),
     "program that rejects a goal hears of it with the next update": (UNDER_WAY.replace("accepted", "rejected"), {}, """
         goal a told(1); all a rejected; facts _seen(ball); sends _request(cancel(1),2). _seen(ball)."""),
     "actions of a cycle are sent and awaited together": (ARMS, {}, """
         goal a both(1); does left,1,1 right,1,1; facts _return(right,failed,1); cycle 1
         facts _return(left,1,1); cycle 2; sends :- not _action_lib(left,1,1). :- not _action_lib(right,1,1)..."""),
-    "return while nothing is under way": (ERRANDS, {}, """
-        facts _return(walk,1,1); problem ...no action of cycle 1 is under way...; unsent ..."""),
     "action that does not return in time": (ERRANDS, {"action_timeout": 10.0}, """
         goal a do(walk,1); wait 9.9; cycle 1; wait 0.1; cycle 2; sends ..._return(walk,timeout,1).; problem ...10 s...
         finish; is a succeeded"""),
-    "no time-out of actions": (ERRANDS, {"action_timeout": 0.0}, "goal a do(walk,1); wait 1e9; does walk,1,1"),
-    "time that jumps back starts the time-out again": (ERRANDS, {"action_timeout": 10.0}, """
-        wait 99; goal a do(walk,1); wait -95; wait 9; cycle 1; wait 2; cycle 2"""),
-    "goal that the program declares no external for": (ERRANDS.replace("#external _request/2.", DECLARED), {}, """
-        goal bad do(fly,1); goal good do(walk,1); finish; all bad rejected; says bad ...unknown to the program...
-        is good succeeded"""),
     "program that declares no requests": (ERRANDS.replace("_request/2.", "_request/1."), {}, """
         goal a do(walk,1); all a rejected; says a ...no external _request/2..."""),
     "malformed actions are reported and ignored": (ERRANDS + "_action_lib(odd,x,never).", {}, """
@@ -109,18 +94,6 @@ def test_core_defers_a_plan_for_limited_cycles_after_arrival():
     driver.begin().facts("_seen(ball)")
     assert driver.core.cycle == 5 + 1 + 5
     assert driver.problems == ["the plan was deferred 5 times in a row: it is dropped"] * 2
-
-
-@pytest.mark.slow
-def test_core_remembers_cycles_that_an_open_request_saw():
-    driver = Driver(UNDER_WAY)
-    for number in range(40):
-        if number in (12, 20):
-            driver.goal(f"g{number}", f"told({number})")
-        driver.facts(f"_seen({number})")
-    over = [int(number) for number in re.findall(r"#over (\d+)", driver.journal.stream)]
-    assert over == [*range(1, 14)]
-    assert "#step 13.\n_request(told(12),14)." in "".join(driver.journal.updates)
 
 
 @pytest.mark.parametrize(
@@ -164,16 +137,6 @@ def test_core_limits_the_number_of_facts_per_message():
     ]
     assert f"_seen({MOST_FACTS - 1})." in driver.journal.updates[0]
     assert f"_seen({MOST_FACTS})." not in driver.journal.updates[0]
-
-
-def test_core_limits_facts_queued_during_an_action(monkeypatch):
-    monkeypatch.setattr("rosoclingo.reasoning.returns.MOST_WAITING", 5)
-    driver = Driver().goal("a", "do(walk,1)").facts(*(f"_seen({number})" for number in range(8)))
-    assert driver.problems == [
-        f"'_seen({number})' from 'interface' is ignored: 5 facts already wait for the next update"
-        for number in (5, 6, 7)
-    ]
-    assert driver.succeed().states("a")[-1] == "succeeded", "a return is accepted despite a full queue"
 
 
 def test_core_sends_feedback_after_each_answer():

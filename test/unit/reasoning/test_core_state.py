@@ -1,15 +1,14 @@
 """The core's state as values, and its problems as lines of a log."""
 
-import pickle
 from types import SimpleNamespace
 
 import pytest
 
 from rosoclingo.oclingo import parse_atom, parse_term
-from rosoclingo.reasoning.core_state import FRESH, OK, WARN, describe_core
+from rosoclingo.reasoning.core_state import OK, WARN, describe_core
 from rosoclingo.reasoning.events import Mode, PlanMade, Problem
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.reasoning.log_throttle import FEW, MANY, MOST_ORIGINS, QUIET, LogThrottle
+from rosoclingo.reasoning.log_throttle import FEW, MANY, QUIET, LogThrottle
 
 
 def test_core_state_reports_the_same_problem_once():
@@ -36,17 +35,6 @@ def test_core_state_counts_repeated_problems_of_a_kind():
     assert throttle.counted(QUIET + 0.1) == [f"497 more of this kind in a minute, the last: cycle 7: {texts[-1]}"]
     assert throttle.counted(QUIET + 1.0) == [], "once"
     assert throttle.take(Problem(8, texts[0], origin), QUIET + 1.0)
-
-
-def test_core_state_counts_problems_beyond_the_limit():
-    throttle = LogThrottle()
-    lines = [throttle.take(Problem(1, "x" * (number + 1)), 0.0) for number in range(100)]
-    said = [line for line in lines if line]
-    assert len(said) == MANY
-    assert said[-1].endswith("only counted for a minute")
-    assert throttle.take(Problem(1, "y", "leg"), 0.0), "of another origin"
-    assert throttle.counted(QUIET) == [f"90 more of the core's own in a minute, the last: cycle 1: {'x' * 100}"]
-    assert throttle.take(Problem(1, "z"), QUIET)
 
 
 def core(*awaited, lost=(), mode=Mode.RUNNING, fed=()):
@@ -92,23 +80,12 @@ def test_core_state_warns_of_the_most_urgent_fault(state, fault, message):
     assert describe_core(core(**state), None, LogThrottle(), [], fault, 0.0)[:2] == (WARN, message)
 
 
-def test_core_state_shows_a_problem_for_a_while():
-    problems = LogThrottle()
-    problems.take(Problem(4, "all is lost"), 100.0)
-    assert describe_core(core(), None, problems, [], "", 100.0 + FRESH / 2)[:2] == (WARN, "cycle 4: all is lost")
-    level, message, values = describe_core(core(), None, problems, [], "", 100.0 + FRESH)
-    assert (level, message, values["problems"], values["last error"]) == (OK, "idle", 1, "cycle 4: all is lost")
-
-
-def test_log_throttle_distinguishes_a_bounded_number_of_interfaces():
+def test_core_state_counts_problems_beyond_the_limit():
     throttle = LogThrottle()
-    lines = [throttle.take(Problem(1, "'x(' is ignored", f"eye{'x' * number}"), 0.0) for number in range(3000)]
-    assert MOST_ORIGINS <= len([line for line in lines if line]) <= MOST_ORIGINS + MANY
-    assert throttle.count == 3000
-
-
-def test_log_throttle_stores_no_long_texts():
-    throttle = LogThrottle()
-    for number in range(50):
-        throttle.take(Problem(1, f"{'x' * 100000}{number}" * 10, "y" * 100000), 0.0)
-    assert len(pickle.dumps(throttle)) < 100000
+    lines = [throttle.take(Problem(1, "x" * (number + 1)), 0.0) for number in range(100)]
+    said = [line for line in lines if line]
+    assert len(said) == MANY
+    assert said[-1].endswith("only counted for a minute")
+    assert throttle.take(Problem(1, "y", "leg"), 0.0), "of another origin"
+    assert throttle.counted(QUIET) == [f"90 more of the core's own in a minute, the last: cycle 1: {'x' * 100}"]
+    assert throttle.take(Problem(1, "z"), QUIET)

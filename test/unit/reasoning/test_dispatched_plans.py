@@ -10,7 +10,6 @@ from functools import partial
 import pytest
 from children import preparing_process, wait_until_prepared
 from core_driver import Driver, shortest, soon
-from core_scripts import perform, scripts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from late_standby import NEVER, Standby
@@ -147,20 +146,6 @@ def prepare(run, process, waits=True):
         wait_until_prepared(process, run.core.prepare)
 
 
-@pytest.mark.slow
-def test_goal_arriving_during_action_has_plan_at_its_return(ring_process):
-    run = JudgedRun(RING, lambda _: ProcessSolver(ring_process))
-    run.ask((1, 3))
-    run.driver.run()
-    run.ask((2, 4))
-    prepare(run, ring_process)
-    before = ring_process.pid
-    run.end()
-    assert len(run.driver.run().core.live_goals) == 2
-    assert ring_process.pid != before
-    run.finish()
-
-
 ASKED = st.lists(st.permutations(range(1, 5)).map(lambda places: places[:2]), min_size=1, max_size=2)
 STEPS = st.lists(st.tuples(st.booleans(), st.sampled_from(["no", "begun", "done"])), max_size=6)
 
@@ -190,7 +175,7 @@ def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):
 
 
 class JoiningRun(Run):
-    """A core whose standby worker answers some cycles late, and the words of scripts."""
+    """A core whose standby worker answers some cycles late."""
 
     def __init__(self, delay=0, solver=None, watch_joining=unwatched, search_timeout=0.0):
         self.standby = Standby(delay)
@@ -211,121 +196,26 @@ class JoiningRun(Run):
         self.driver.run()
         return self
 
-    def goals(self, *ways):
-        """Send goals such as 1-4, from office o1 to o4."""
-        return self.ask(*(way.split("-") for way in ways))
-
     def step(self, fails=False):
         """End the action and advance the core."""
         self.end(fails)
         self.driver.run()
 
-    def fail(self):
-        self.step(fails=True)
-
-    def go_on(self, times=1):
+    def go_on(self):
         """End the action; if the plan in force has another action, it goes out without a search."""
-        for _ in range(int(times)):
-            due, before = self.continues, self.standby.searches
-            self.step()
-            assert not due or (self.core.awaited and self.standby.searches == before)
-
-    def until(self, key):
-        """Continue until the program knows a goal."""
-        while key not in self.fed:
-            self.go_on()
-
-    def alone(self, *keys):
-        """Continue to the end of the plan; meanwhile the program knows only these goals."""
-        while self.continues:
-            self.go_on()
-            assert self.fed == list(keys)
-
-    def delay(self, cycles):
-        self.standby.delay = int(cycles)
-
-    def cancel(self, key):
-        self.driver.cancel(key)
-
-    def forget(self, key):
-        """Remove the package of a cancelled goal."""
-        del self.office.packages[int(key)]
-
-    def while_known(self, key):
-        """Continue while the program knows a goal and the plan has further actions."""
-        while key in self.fed and self.continues:
-            self.go_on()
-
-    def facts(self, *facts):
-        self.driver.facts(*facts)
-
-    # -- expectations
-
-    def has(self, *keys):
-        assert self.fed == list(keys)
-
-    def lacks(self, key):
-        assert key not in self.fed
-
-    def cycle(self, number):
-        assert self.core.cycle == int(number)
-
-    def joins(self, key, *cycles):
-        """Expect that a client received these cycles in which its goal would join the plan."""
-        waits = [one.waits for one in self.driver.feedback(key) if one.waits]
-        assert waits == [f"it joins the plan in cycle {one}" for one in cycles]
-
-    def sends(self, text):
-        assert text in self.driver.journal.updates[-1]
-
-    def ended(self, key, *states):
-        """Expect a goal to end in one of these states, after the success of all actions."""
-        self.driver.finish()
-        assert self.driver.states(key)[-1] in states
-
-
-#: The delay of the standby worker in cycles, and the script. The next cycle for joining is twice as far away each time.
-JOINS = {
-    "goal is in the next update if it was prefetched": (0, "goals 2-4; goals 3-1; go_on; has 1 2; joins 2; finish"),
-    **{f"goal joins {delay} cycles late": (delay, f"""
-        goals 1-4 4-1 1-4 4-1; goals 2-3; until 5; cycle {cycles.split()[-1]}; joins 5 {cycles}; finish""")
-       for delay, cycles in ((1, "3"), (3, "3 6"))},
-    "goal joins when the plan ends": (NEVER, "goals 1-2; goals 3-1; alone 1; finish"),
-    "failure brings new goals into the next update": (NEVER, """
-        goals 1-4 4-1; goals 2-3; go_on 2; fail; has 1 2 3; joins 3 3 6; finish"""),
-    "fact is in the next update without new goals": (NEVER, """
-        goals 1-4 4-1; goals 2-3; go_on; facts _blocked(o4,o1,now); step; sends _blocked(o4,o1,; has 1 2
-        delay 0; until 3; finish"""),
-}  # fmt: skip
-SLOW_JOINS = {
-    "new goals wait while others are about to join": (2, """
-        goals 1-4 4-1 1-4; goals 2-3; go_on 4; goals 3-2; until 4; lacks 5; until 5; finish"""),
-    "goal that would join is cancelled": (NEVER, """
-        goals 1-4 4-1; goals 2-3 3-2; go_on 2; cancel 3; forget 3; delay 0; until 4; ended 3 recalled; ended 4 succeeded
-        """),
-    **{f"cancel is answered {delay} cycles late": (delay, """
-        goals 1-4 4-1; go_on; cancel 2; while_known 2; ended 2 preempted succeeded; ended 1 succeeded""")
-       for delay in (2, NEVER)},
-}  # fmt: skip
-
-
-@pytest.mark.sampled(4)
-@pytest.mark.slow
-@scripts(JOINS, SLOW_JOINS)
-def test_goals_join_without_a_search_for_the_next_action(row):
-    delay, script = row
-    perform(JoiningRun(delay), script)
+        due, before = self.continues, self.standby.searches
+        self.step()
+        assert not due or (self.core.awaited and self.standby.searches == before)
 
 
 @pytest.mark.slow
-def test_next_cycle_for_joining_is_nearer_after_success():
-    run = perform(JoiningRun(delay=3), "goals 1-4 4-1 1-4; goals 2-3; until 4; delay 0")
-    cycles = []
-    for number in range(5, 8):
-        cycle = run.core.cycle
-        perform(run, f"goals 2-3; until {number}")
-        cycles.append(run.core.cycle - cycle)
-    assert cycles[0] > cycles[1] > cycles[2] == 1
+def test_goal_joins_the_plan_in_a_later_cycle():
+    run = JoiningRun(delay=3).ask((1, 4), (4, 1), (1, 4), (4, 1)).ask((2, 3))
+    while "5" not in run.fed:
+        run.go_on()
+    waits = [one.waits for one in run.driver.feedback("5") if one.waits]
+    assert waits == [f"it joins the plan in cycle {one}" for one in (3, 6)]
+    assert run.core.cycle == 6
     run.finish()
 
 
@@ -333,7 +223,10 @@ def test_next_cycle_for_joining_is_nearer_after_success():
 @pytest.mark.parametrize("limits", [{"watch_joining": None}, {"solver": shortest}], ids=["no limit", "no standby"])
 def test_new_goals_join_next_update_without_wait_limit(limits):
     """There is no limit of the wait with shortest plans, or without a standby worker."""
-    perform(JoiningRun(delay=NEVER, **limits), "goals 2-4; goals 3-1; step; has 1 2; finish")
+    run = JoiningRun(delay=NEVER, **limits).ask((2, 4)).ask((3, 1))
+    run.step()
+    assert run.fed == ["1", "2"]
+    run.finish()
 
 
 EVENTS = st.lists(st.sampled_from(["done", "done", "done", "failed", "asked", "prepared"]), max_size=12)
@@ -362,22 +255,6 @@ def test_robot_meets_all_goals_however_late_answers_are(events, errands, data):
 def row_process():
     with preparing_process(program(*ROW)) as one:
         yield one
-
-
-@pytest.mark.slow
-def test_standby_worker_that_still_plans_takes_over(row_process):
-    """The core waits for a missing plan until the watch ends the wait."""
-    looks = []
-    run = JoiningRun(solver=lambda _: ProcessSolver(row_process), watch_joining=lambda: lambda: looks.append(1))
-    run.ask((2, 4))
-    spare = row_process.standby_pid
-    run.ask((3, 1))
-    prepare(run, row_process, waits=False)
-    run.step()
-    assert row_process.pid == spare
-    assert looks
-    assert run.fed == ["1", "2"]
-    run.finish()
 
 
 @pytest.mark.slow

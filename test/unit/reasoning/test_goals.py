@@ -17,14 +17,11 @@ def test_goal_event_that_its_state_excludes_is_an_error():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "cannot be a goal"),
         ("Disinfect(kitchen,1)", "'Disinfect.kitchen,1.' cannot be a goal: Disinfect begins .* write disinfect"),
         ("disinfect(Kitchen,1)", 'goal: Kitchen is a variable, since .* such as kitchen or "Kitchen"'),
         ("goal(office3,office2,1", "cannot be a goal"),
-        ("goal(a). goal(b)", "cannot be a goal"),
         ("office", "names no goal"),
         ("cancel(1)", "cancel the goal itself"),
-        ("\x00", "cannot be a goal"),
         ("goal(" * 2000, "cannot be a goal"),
     ],
 )
@@ -50,9 +47,3 @@ def test_goal_with_deep_nesting_is_rejected_harmlessly():
         assert "nested deeper than 256 levels" in driver.journal.problems[0]
         assert len(driver.message("deep")) < 400
         assert driver.goal("a", "do(walk,1)").finish().states("a")[-1] == "succeeded"
-
-
-def test_goal_that_is_long_and_unread_is_rejected_fast():
-    message = Driver.of_shipped("paper.lp").goal("key", f"{'g' * 30000}({'a' * 30000})").message("key")
-    assert message.startswith("no rule of the program can see ggg")
-    assert len(message) < 1000

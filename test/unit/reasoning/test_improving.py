@@ -3,7 +3,7 @@
 from functools import partial
 
 import pytest
-from core_driver import Driver, Leaving
+from core_driver import Driver
 
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import GoalProgress, PlanMade
@@ -78,14 +78,3 @@ def test_core_stops_improving_on_arrival_and_resumes_later(driver):
     assert not driver.core.improve(lambda: False), "the goal waits for the next cycle"
     driver.succeed()
     assert driver.core.improve(lambda: True)
-
-
-def test_core_does_not_improve_while_nothing_runs():
-    watch = Leaving()
-    driver = Driver(SLOW, solver=quickest, watch=watch).goal("a", "do(4,1)")
-    driver.core.receive("interface", [f"_return(do,1,{driver.core.cycle})"])
-    watch.number = 1
-    assert driver.core.advance(1.0)
-    assert driver.core.awaited == (), "the search was left"
-    assert not driver.core.improve(lambda: pytest.fail("asked"))
-    assert driver.run().core.improve(lambda: True)

@@ -41,11 +41,6 @@ def test_register_removes_interfaces_with_their_node():
     assert found.names == ["move_base"]
 
 
-def test_register_reports_that_nobody_listens():
-    text = "no interface 'hold' for _action_lib(hold,cup,3): no node subscribes to out_rosoclingo"
-    assert looked(register(), [HOLD], frozenset(), frozenset()) == [(HOLD, text, True)]
-
-
 def test_register_waits_for_answer_of_unannounced_nodes():
     found = register(a="move_base")
     ((_, text, _),) = looked(found, [HOLD])

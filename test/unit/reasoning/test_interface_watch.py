@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, parse_atom, parse_term
 from rosoclingo.reasoning.events import ActionsPreempted, Announcer
-from rosoclingo.reasoning.interface_watch import InterfaceWatch, robot_of
+from rosoclingo.reasoning.interface_watch import InterfaceWatch
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -81,17 +81,9 @@ SILENCES = {
         silence 1 work(r2); problem _action_lib(work(r1),2,2) has no return, and its interface is lost: it ...
         sent ..._return(work(r1),lost,2)...; does work(r2),...,...; finish; is a succeeded; is b succeeded; ends
         announce work(r1); ends work(r1),2,2"""),
-    "program that declares no return": (("#external _back/2.", "#defined _back/2."), """
-        silence 0; announce work(r1); silence 20; announce work(r1); problems 1"""),
     "program that declares nothing": (("_lost/2. #external", "_lost/1. #external"), """
         silence 0; announce work(r1) work(r2); add a do(1); goal b do(2); silence 100; problems 0; finish
         is a succeeded"""),
-    "interface that was never there": ("", """
-        silence 0; announce work(r2); add a do(1); goal b do(2); silence 12 work(r2)
-        problem _lost(r1,now): work(r1) has been silent for 10 s; problems 1"""),
-    "two interfaces of a robot": ("", """
-        silence 0; announce work(r1) arm(r1); silence 10 arm(r1); problems 1; silence 10; problems 1
-        announce work(r1); problems 1; announce arm(r1); problem _back(r1,now): arm(r1) is heard again"""),
     "core that was suspended": ("", """
         silence 0; announce work(r1); suspend 1000; suspend 1000; problems 0; silence 8; problem _lost(r1,...)..."""),
 }  # fmt: skip
@@ -101,14 +93,6 @@ SILENCES = {
 def test_watch_reports_silent_interfaces_to_program(row):
     change, script = row
     play(WatchedDriver(ROBOTS.replace(*change) if change else ROBOTS, SETTINGS), script)
-
-
-@pytest.mark.parametrize(
-    ("interface", "robot"),
-    [("work(r1)", "r1"), ("work", "work"), ("arm(left,1)", "left"), ("two words", '"two words"'), ("7", "7")],
-)
-def test_robot_is_first_argument_of_interface(interface, robot):
-    assert str(robot_of(interface)) == robot
 
 
 class Execution:

@@ -4,7 +4,7 @@ import pytest
 from core_driver import Driver, FaultyDriver
 from core_scripts import play, scripts
 from lint_programs import block
-from team_programs import FREE, LATER, TEAM
+from team_programs import FREE, TEAM
 
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -32,27 +32,12 @@ COURSES = {
         goal a job(saw,1); goal b job(broken,2); is b aborted; says b ...cannot be met...; does saw,1,1; is a active
         sends :- not _action_lib(saw,1,2). _running(saw,1,2). _request(cancel(2),3).
         facts _return(saw,1,1); is a succeeded; sends :- not _action_lib(saw,1,3). _return(saw,1,3).; done saw,1,1""",
-    "facts that contradict are withheld while actions run": """
-        goal a job(saw,1); facts _doom(1); problem ...withheld...; does saw,1,1; facts _return(saw,1,1)
-        is a succeeded""",
     "a failure that names no action waits for the others of its interface": """
         add a job(saw,1); add b job(saw,2); goal c job(drill,3); facts _return(saw,worn,1); cycle 1
         facts _return(drill,3,1)
         sends ..._running(saw,1,1). _running(saw,2,1). _return(drill,3,1).; facts _return(saw,2,1); does saw,1,3
         sends :- not _action_lib(saw,1,2). :- not _action_lib(saw,2,2). _return(saw,worn,2). _return(saw,2,2).
         is b succeeded; is a active""",
-    "a failure that names an action leaves the others running": """
-        add a job(saw,1); goal b job(saw,2); facts _return(saw,failed(2),1); does saw,1,1 saw,2,2
-        sends ..._running(saw,1,1). _return(saw,failed(2),1).; facts _return(saw,worn,1); does saw,2,2 saw,1,3
-        sends ..._running(saw,2,2). _return(saw,worn,2).""",
-    "a search without time is repeated while actions run": """
-        goal a job(saw,1); add b job(drill,2); slow 1; run; does saw,1,1; problem ...1 of 2 goals wait
-        sends :- not _action_lib(saw,1,2). _running(saw,1,2).; facts _return(saw,1,1); all a active succeeded
-        does drill,2,5""",
-    "an update that is dropped is sent again with the news": """
-        goal a job(saw,1); fault dropped; goal b job(drill,2); fault none; facts _return(saw,1,1); wait 20
-        sends :- not _action_lib(saw,1,1). _request(job(drill,2),3). _return(saw,1,1).; is a succeeded
-        facts _return(drill,2,2); is b succeeded""",
     "a forgotten history keeps the running actions": """
         goal a job(saw,9); facts _seen(owl); facts _seen(cup); problem ERROR: ...forgets its history...; is a aborted
         does saw,9,1; sent #anew. _running(saw,9,2).; facts _return(saw,9,1); does
@@ -72,14 +57,6 @@ def test_long_actions_wait_in_programs_without_running():
         """add a job(saw,1); goal b job(drill,2); facts _return(saw,1,1); cycle 1; does drill,2,1; goal c job(saw,3)
         facts _return(drill,2,1); cycle 2; does saw,3,2; unsent ..._running...
         sends :- not _action_lib(drill,2,1). :- not _action_lib(saw,1,1). _request(job(saw,3),3). ...""",
-    )
-
-
-def test_long_actions_let_later_requests_in_at_once():
-    play(
-        Driver(LATER),
-        """goal a job(saw,1); does saw,1,2; goal b job(drill,2); does saw,1,2 drill,2,4; cycle 4
-        sent ..._running(saw,1,2). _request(job(drill,2),4).; sends :- not _action_lib(saw,1,3). _running(saw,1,3).""",
     )
 
 
@@ -160,7 +137,3 @@ def test_durations_are_stated_as_medians(row, learns):
     for seconds, stated in zip(*row):
         play(driver, f"goal key{driver.now} job(saw,7); pass {seconds}; succeed; problems 0")
         play(driver, f"sends {stated if learns and stated else f'..._return(saw,7,{driver.core.cycle - 1}).'}")
-
-
-def test_durations_are_not_stated_to_programs_without_them():
-    play(Driver(TEAM), "goal a job(saw,1); pass 9; succeed; sends :- not _action_lib(saw,1,1). _return(saw,1,1).")

@@ -14,11 +14,6 @@ COURSES = {
         """goal a do(walk,1); add b do(run,2); pause; does walk,1,1; succeed; does; done walk,1,1; is b active
         resume; does run,2,...; succeed; does; is a succeeded; is b succeeded""",
     ),
-    "goals of a pause are accepted and planned for": (
-        ERRANDS,
-        """pause; goal a do(walk,1); is a active; does; goal b do(run,2); is b active; does
-        resume; succeed; succeed; is a succeeded; is b succeeded; does; problems 0""",
-    ),
     "a goal without a plan is aborted in a pause": (
         ERRANDS,
         "pause; goal a do(never,1); is a aborted; says a ...cannot be met...; goal b do(run,2); is b active; does",
@@ -28,21 +23,11 @@ COURSES = {
         """goal a do(walk,1); pause; cycle 1; wait 9; cycle 1; resume; cycle 1; does walk,1,1; succeed; is a succeeded
         pause; wait 9; resume; cycle 2""",
     ),
-    "a search without time keeps the withheld plan": (
-        ERRANDS,
-        """pause; goal a do(walk,1); add b do(run,2); slow 1; run; does; resume; succeed; succeed; wait 20; succeed
-        is a succeeded; is b succeeded; done ...,1,... ...,2,...""",
-    ),
     "stop ends all goals and the running action": (
         ERRANDS,
         """goal a do(walk,1); goal b do(run,2); stop; ends walk,1,1; says a do(walk,1) is aborted: stopped
         is a aborted; is b aborted; fail preempted; does; goal c do(run,3); does run,3,...; succeed; is c succeeded
         done walk,1,1 run,3,...""",
-    ),
-    "a stopped core that is paused stays paused": (
-        ERRANDS,
-        """pause; goal a do(walk,1); stop; is a aborted; does; goal b do(run,2); is b active; does; resume
-        does run,2,...; done run,2,...""",
     ),
     "actions of several cycles go on in a pause": (
         TEAM,

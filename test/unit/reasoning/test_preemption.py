@@ -1,6 +1,6 @@
 """With preempt, an action under way that the new plan does not contain ends at once; all others are awaited."""
 
-from core_driver import ERRANDS, Driver, FaultyDriver
+from core_driver import ERRANDS, FaultyDriver
 from core_scripts import play, scripts
 
 from rosoclingo.reasoning.settings import CoreSettings
@@ -58,8 +58,6 @@ PREEMPTIONS = {
     "program that hears of the actions that are ended": (HEARS, """
         goal a do(walk,1); cancel a; ends walk,1,1; facts _return(walk,preempted,1); is a preempted; problems 0
         sends :- not _action_lib(walk,1,1). _request(cancel(1),2). _cancel(walk,1,1). _return(walk,preempted,1)."""),
-    "place named preempted": (ERRANDS, """
-        goal a do(walk,preempted); facts _seen(ball); ends ; succeed; is a succeeded"""),
     "action that is still wanted, with other plans as short": (ERRANDS, """
         goal a do(walk,1); goal b do(run,2); facts _seen(ball); ends; cancel b; finish; is a succeeded; ends"""),
     "one of two actions": (TOGETHER, """
@@ -69,12 +67,6 @@ PREEMPTIONS = {
         goal a go(1); does far,1,1; facts _open(near); ends far,1,1; facts _return(far,preempted,1); does near,1,2"""),
     "way that is as short but better opens": (WAYS + ":~ _action_lib(far,I,C). [1,I,C]", """
         goal a go(1); facts _open(side); ends"""),
-    "solver that refuses the question": (ERRANDS, """
-        fault refused preempted; goal a do(walk,1); cancel a; ends; succeed; is a preempted"""),
-    "program that does not know the return": (
-        ERRANDS.replace("#external _return/3.", "#external _return(walk,(1;failed),1..9)."), """
-        goal a do(walk,1); cancel a; ends; succeed; is a preempted"""),
-    "question that is left for an arrival": (ERRANDS, "goal a do(walk,1); leave 1; cancel a; ends; run; ends walk,1,1"),
 }  # fmt: skip
 
 
@@ -82,13 +74,3 @@ PREEMPTIONS = {
 def test_preemption_follows_the_script(row):
     text, script = row
     play(FaultyDriver(text, CoreSettings(horizon_limit=8, preempt=True)), script)
-
-
-def test_preemption_leaves_the_stream_unchanged():
-    runs = [Driver(settings=CoreSettings(horizon_limit=8, preempt=preempt)) for preempt in (True, False)]
-    for one in runs:
-        play(one, "goal a do(walk,1); cancel a; goal b do(run,2); facts _return(walk,preempted,1); finish")
-    assert len({(one.journal.stream, *one.journal.actions) for one in runs}) == 1
-
-
-# -- a goal of the mailbot is cancelled in every phase of its life

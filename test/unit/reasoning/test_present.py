@@ -10,17 +10,6 @@ from rosoclingo.reasoning.present import Present
 
 pytestmark = pytest.mark.once
 
-LAMP = """
-#program base.
-lamp(hall). lamp(yard).
-#program cumulative(t).
-#external _request/2. #external _return/3. #external _seen/2.
-lit(L,t)  :- _seen(L,t).
-lit(L,t)  :- lit(L,t-1).
--lit(L,t) :- lamp(L), not lit(L,t).
-#show lit/2. #show -lit/2. #show lamp/1. #show on(L,(t)) : lit(L,t).
-"""
-
 
 def present(driver):
     """Return the beliefs that were published last."""
@@ -38,17 +27,6 @@ def test_beliefs_are_atoms_of_cycle_or_without_time():
     assert set(map(str, reader.of(answer, 2))) == {"at(b,now)", "-at(c,now)", "first(now,x)", "(y,now)", *timeless}
     assert set(map(str, reader.of(answer, 3))) == timeless
     assert reader.of(frozenset(), 3) == frozenset()
-
-
-def test_beliefs_follow_a_fact_from_its_cycle_on():
-    driver = Driver(LAMP)
-    driver.facts("_seen(hall,now)")
-    assert set(present(driver)) == {"lit(hall,now)", "-lit(yard,now)", "on(hall,now)", "lamp(hall)", "lamp(yard)"}
-    reported = len(driver.journal.of(StateChanged))
-    driver.facts("_seen(hall,now)")
-    assert len(driver.journal.of(StateChanged)) == reported
-    driver.facts("_seen(yard,now)")
-    assert {"lit(hall,now)", "lit(yard,now)"} <= set(present(driver))
 
 
 @pytest.mark.parametrize("plan", PLANS)

@@ -54,15 +54,6 @@ class Errands(BusyDriver):
         """Expect that a request was in force and is withdrawn."""
         assert f"#withdraw _request(do(walk,{number}),{cycle})." in self.journal.stream
 
-    def keeps(self):
-        """Expect the plan to be that of the last ``plans``."""
-        assert [str(one.atom) for one in self.core.plan.actions] == self.noted
-
-    def plans(self):
-        """Expect a plan."""
-        assert self.awaited
-        self.noted = [str(one.atom) for one in self.core.plan.actions]
-
     def all_met(self, *goals):
         """Finish everything; expect exactly these goals to be met, in this order."""
         assert self.finish().order() == [f"g{number}" for number in numbers_of(goals)]
@@ -74,14 +65,9 @@ WHY = "goals were too many: no plan was found before the search was ended: the t
 #: The initial number of goals for which planning has time, and the script.
 BUSY = {
     "newest goals wait, which is reported once": (3, f"""
-        ask 1-8; run; plans; deferred 3-8; reason 8 8 {WHY}; reason 3 4 {WHY}; reason 2; withdraws 3 2
+        ask 1-8; run; deferred 3-8; reason 8 8 {WHY}; reason 3 4 {WHY}; reason 2; withdraws 3 2
         unsent ...do(walk,5)...; problem no plan was found before the search was ended: the test: 4 of 8 goals wait
         all_met 1-8; reason 8 8 {WHY}"""),
-    "new goal that is too much waits and the plan goes on": (4, f"""
-        ask 1-4; run; plans; ask 5; succeed; does walk,2,2; reason 5 5 {WHY}; all_met 1-5"""),
-    "last plan is kept where it still is one": (3, """
-        ask 1-3; run; plans; most_goals 2; succeed; deferred; keeps; most_goals 1; fail failed; deferred 3
-        does walk,2,...; all_met 1-3"""),
     "goal that was active stays so while it waits and is cancelled at once": (4, """
         ask 1-4; run; succeed; all g4 active; most_goals 1; fail failed; does walk,2,...; all g4 active; withdraws 4 2
         cancel g4; all g4 active preempting preempted; finish; is g1 succeeded; is g2 succeeded; is g3 succeeded"""),
@@ -191,50 +177,3 @@ def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
     assert {number: world.places[number] for number in wanted} == wanted
     assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
     assert any(driver.waits(f"g{number}") for number in wanted)
-
-
-class EndlessDriver(BusyDriver):
-    """A driver whose searches never end while a goal in ``heavy`` is not withdrawn, even if it is cancelled."""
-
-    @staticmethod
-    def left_out(goal, text):
-        return f"#withdraw _request({goal.term}," in text
-
-    def turns(self, number):
-        """Advance a number of times, with success of all actions under way."""
-        for _ in range(number):
-            self.core.poll(self.now)
-            if not self.core.advance(self.now):
-                for action in self.core.awaited:
-                    self.core.receive("interface", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-        return self
-
-    def ended(self):
-        return {key for key, outcome in ends(self).items() if outcome is Outcome.SUCCEEDED}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("before", [0, 2])
-def test_endless_goal_does_not_block_planning_of_others(before):
-    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
-    ask(driver, *range(1, before + 1))
-    if before:
-        driver.core.advance(driver.now)
-    ask(driver, 9).turns(3)
-    others = {f"g{number}" for number in (1, 2, 3, 4)}
-    for number in range(before + 1, 5):
-        ask(driver, number).turns(4)
-        assert f"g{number}" in driver.ended() | {goal.key for goal in driver.core.queue.served}
-    driver.turns(20)
-    assert driver.ended() == others
-    assert driver.states("g9") == [], "it is not aborted"
-
-
-def test_endless_goal_is_cancelled():
-    driver = EndlessDriver(most=9, heavy={"g9": 10**9})
-    ask(driver, 9).turns(2)
-    driver.core.cancel_goal("g9")
-    driver.turns(4)
-    assert driver.states("g9")[-1] == "recalled"
-    assert driver.message("g9") == "do(walk,9) was cancelled before any action was executed for it"
-    assert ask(driver, 1).turns(6).ended() == {"g1"}

@@ -70,18 +70,10 @@ def test_relevance_accepts_requests_that_some_rule_sees(visits, goal):
     [
         ("vISIT(hALL)", "did you mean visit(hall)?"),
         ('visit("kitchen")', "did you mean visit(kitchen)?"),
-        ("visit(hall,1)", None),
         ("both(hall,hall)", "the conditions of visits.lp:13 exclude it"),
         ("both(hall,mars)", "mars is none of hall, kitchen, pantry"),
-        ("lots(12)", None),
-        ("far(hall)", "the conditions of visits.lp:15 exclude it"),
         ("use(hut)", "hut is none of den"),
-        ("dash(mars)", None),
-        ("cond(mars)", None),
-        ("halt(away)", None),
         ("text(abc,1)", 'did you mean text("abc",1)?'),
-        ("sum(3,3)", None),
-        ("shown(hall)", None),
         ("hall", None),
     ],
 )
@@ -89,13 +81,6 @@ def test_relevance_rejects_requests_that_no_rule_sees(visits, goal, advice):
     assert not is_relevant(visits, goal)
     reported = visits.advice(parse_atom(f"_request({goal},2)"))
     assert reported == advice if advice else reported
-
-
-def test_relevance_suggests_form_with_missing_argument():
-    relevance = RelevanceAnalysis(shipped("paper.lp"))
-    assert relevance.advice(parse_atom("_request(goal(office3,office2),2)")) == "rules match goal(From,To,Id)"
-    advice = relevance.advice(parse_atom("_request(gaol(office3,office2,1),2)"))
-    assert advice == "did you mean goal(office3,office2,1)?"
 
 
 @pytest.mark.mostly_slow
@@ -120,30 +105,14 @@ STEPS = "#external _request/2.\n#program cumulative(t).\n"
 @pytest.mark.parametrize(
     ("rules", "goal"),
     [
-        ("wanted(G,t) :- _request(G,t).", "anything(1)"),  # seen, regardless of the consequences
-        ("wanted(G,t) :- _request(G,C), C <= t. :- wanted(G,t), not p(G,t). p(G,t) :- wanted(G,t).", "anything(1)"),
         ("p(X,t) :- _request(do(X),t), known(X,t). known(X,t) :- _told(X,t). #external _told/2.", "do(it)"),
         ("#defined room/1. p(X,t) :- _request(do(X),t), not room(X).", "do(it)"),
-        ("#external ready(X,t) : _request(do(X),t). q(t) :- ready(X,t).", "do(it)"),
         ("#minimize { 1,X : _request(do(X),t) }.", "do(it)"),
         ("p(X,Y,t) :- _request(do(X),t), pair(X,Y). pair(1..4,1..4). :- p(1,2,t).", "do(1)"),
     ],
 )
 def test_relevance_of_unusual_rules(rules, goal):
     assert is_relevant(RelevanceAnalysis(ReactiveProgram.from_text(STEPS + rules)), goal)
-
-
-@pytest.mark.parametrize(
-    ("rules", "goal"),
-    [
-        ("p(f(X),t) :- _request(do(X),t). q(X,t) :- p(f(X),t). :- q(7,t).", "do(8)"),
-        ("p(X,Y,t) :- _request(do(X,Y),t), pair(X,Y).\n#program base.\npair(1,2). pair(3,4).", "do(1,4)"),
-        ("#show p(X) : _request(do(X),t). p(t) :- _request(cancel(X),t).", "do(7)"),
-        ("p(X,t) :- _request(do(X),t), room(X). r(X,t) :- r(X,t-1), not _request(do(_,X),t).", "do(7)"),
-    ],
-)
-def test_relevance_rejects_requests_whose_chain_ends_unused(rules, goal):
-    assert not is_relevant(RelevanceAnalysis(ReactiveProgram.from_text(STEPS + rules)), goal)
 
 
 def test_relevance_checks_stream_for_excluded_base_facts():

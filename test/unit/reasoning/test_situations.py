@@ -7,7 +7,6 @@ import pytest
 from core_driver import DeferringSolver, Driver, FaultyDriver, Leaving
 from core_programs import DARK, DOOMED, IMPOSSIBLE, fetch
 from core_scripts import play
-from stream_replay import check_replay
 
 from rosoclingo.oclingo import DroppedError, SolverError
 from rosoclingo.reasoning.core import Core
@@ -124,37 +123,3 @@ def test_situation_table_matches_the_document():
         steps = "; ".join(f"{number}. {row.text}" for number, row in enumerate(rows, 1))
         lines.append(f"| {situation.value} | {steps} |")
     assert "\n".join(lines) in DOCUMENT.read_text()
-
-
-# -- the forms of an update that the solver refuses or drops
-
-
-DONE, REQUEST, RETURN, FACT = (
-    ":- not _action_lib(walk,1,1).",
-    "_request(do(run,2),3).",
-    "_return(walk,failed,1).",
-    "_seen(sun).",
-)
-
-
-@pytest.mark.parametrize("word", ["do(run", "_seen"])
-def test_refused_update_is_resent_without_goals_then_facts(word):
-    driver = busy(SolverError, word)
-    assert driver.failed[0] == f"search 2. {DONE} {REQUEST} {RETURN} {FACT}"
-    play(
-        driver,
-        f"""
-        all b rejected; says b do(run,2) is refused by the solver: no; problem update 2 is refused by the solver: no
-        does walk,1,2; sends {DONE} {RETURN}{"" if word == "_seen" else f" {FACT}"}""",
-    )
-    check_replay(driver.program, driver.journal)
-
-
-@pytest.mark.parametrize(("word", "kept"), [("do(run", f"{DONE} {RETURN} {FACT}"), ("_seen", f"{DONE} {RETURN}")])
-def test_dropped_update_is_resent_without_goals_then_facts(word, kept):
-    play(
-        busy(DroppedError, word),
-        f"""
-        sends {kept}; all b; problem update 2 is dropped: no; fault none; wait 10; finish; is b succeeded
-        sent ...{FACT}...""",
-    )

@@ -75,30 +75,6 @@ def test_failure_of_some_of_concurrent_actions(rules, returns, ends):
     assert " ".join(driver.states(key)[-1] for key in "ab") == ends
 
 
-#: A program whose goals have no condition: their actions are executed once.
-ONCE = """
-#external _request/2. #external _return/3.
-#program cumulative(t).
-_action_lib(arm,I,t) :- _request(do(I),t+1).
-#program base.
-#show _action_lib/3.
-"""
-
-
-@pytest.mark.parametrize("constraint", ["", "#program cumulative(t).\n:- _return(A,V,t), not _action_lib(A,V,t).\n"])
-def test_failed_action_that_must_have_happened_aborts_goal(constraint):
-    play(
-        Driver(ONCE + constraint),
-        """
-        goal a do(1); fail failed; finish; is a aborted; goal b do(2); finish; is b succeeded""",
-    )
-
-
-def test_failures_that_the_program_handles_are_excluded():
-    program = fetch(", not failed(t)", rules=FAILED + STATUS)
-    play(Driver(program), "goal a fetch(cup,1); fail failed; fail failed; finish; is a succeeded; problems 0")
-
-
 def test_failures_are_handled_if_only_success_is_read():
     rules = "#external _now/1.\nmissed(t) :- _action_lib(A,X,t), _now(C), t < C, not _return(A,X,t).\n"
     play(

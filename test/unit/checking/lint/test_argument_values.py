@@ -7,62 +7,13 @@ from hypothesis import strategies as st
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.planning.explaining.atom_patterns import ANY
-from rosoclingo.planning.explaining.reach import Reach
+from rosoclingo.oclingo.progression.terms import signature_of
 
 STEPS = "\n#program cumulative(t).\n{ act(t) }.\n#program volatile(t).\n"
 
 
 def program(text):
     return ReactiveProgram.from_text(text + STEPS)
-
-
-def values_of(one, name, arity, position):
-    """Return the values of an argument as text, None for any."""
-    reach, signature = Reach(one), Signature(name, arity)
-    known = {atom.arguments[position] for atom in reach.atoms(signature)}
-    return None if signature in reach.free or ANY in known else sorted(map(str, known))
-
-
-@pytest.mark.parametrize(
-    ("rules", "expected"),
-    [
-        ("p(a). p(b).", ["a", "b"]),
-        ("p((a;b)). p(c;d).", ["a", "b", "c", "d"]),
-        ("#const n = 2. p(n). p(-1). p(n*3).", ["-1", "2", "6"]),
-        ("q(a). q(b). r(b). p(X) :- q(X), r(X).", ["b"]),
-        ("q(a). p(f(X,X)) :- q(X).", ["f(a,a)"]),
-        ("q(f(a)). q(g(b)). p(X) :- q(f(X)).", ["a"]),
-        ("q(a;b;c). p(X) :- q(X), X != b.", ["a", "c"]),
-        ("q(a). p(X) :- q(Y), X = (Y;b).", ["a", "b"]),
-        ("q(a). 1 <= #sum { 1,X : p(X) : q(X) }. % dialect: clingo 5", ["a"]),
-        (
-            "#external _running/3. q(a;b). _action_lib(go,X,0) :- q(X). _action_lib(A,X,1) :- _running(A,X,0). "
-            "p(X) :- _action_lib(go,X,1).",
-            ["a", "b"],
-        ),
-        ("q(1). p(X+1) :- q(X).", None),
-        ("q(a,1). q(b,x). p(X) :- q(a,X).", ["1"]),
-        ("q(a,1). q(b,x). s(Y,X) :- q(Y,X). _action_lib(Y,X,1) :- s(Y,X). p(X) :- s(a,X).", ["1"]),
-        ("q(1). r(f(X+1)) :- q(X). r(a). s(f(b)). p(X) :- r(X), s(X).", ["f(b)"]),
-        ("p(a). p(X) :- p(Y), X = f(Y).", ["a", "f(__oclingo_any)"]),
-        ("p(X) :- q(X). #defined q/1.", None),
-        ("p(a). p(X) :- -q(X). -q(b).", ["a", "b"]),
-        (
-            "#external e/1. q(X) :- e(X). q(c). p(X) :- " + ", ".join(f"q(g({n}))" for n in range(9)) + ", r(X). r(a).",
-            ["a"],
-        ),
-        ("q(a). r(b). p(X) :- q(X), r(X). p(c).", ["c"]),
-    ],
-)
-def test_argument_values_follow_from_the_rules(rules, expected):
-    assert values_of(program(rules), "p", 1, 0) == expected
-
-
-@pytest.mark.parametrize("rules", ["p(X) :- q(X). q(X) :- p(X).", "p(X) :- q(X), X = b. q(a).", "p(a) :- q(b). q(a)."])
-def test_argument_values_find_impossible_predicates(rules):
-    assert not ArgumentValues(program(rules)).is_possible(Signature("p", 1))
 
 
 def check(found, atoms):

@@ -27,15 +27,9 @@ a(n,twice,start,low,free,f(g)) :- b(1..n)."""
     ("text", "kinds"),
     [
         (EXTERNALS + HEEDED + ACTION, []),
-        (
-            "#external _return(go,V,1) : V = 1. #external _request(do(1),2). :- _request(X,2). :- _return(X,Y,1)."
-            + ACTION,
-            [],
-        ),
         (ACTION, ["no-request", "no-return"]),
         ("#external _request/2." + ACTION, ["no-return"]),
         (EXTERNALS + "#program cumulative(t). #program volatile(t).", ["no-action"]),
-        ("#program cumulative(t). a(t). #program volatile(t).", ["no-request", "no-action"]),
         (EXTERNALS + ACTION.partition("#program volatile")[0], ["missing-part"]),
     ],
 )
@@ -45,11 +39,6 @@ def test_lint_reports_missing_keywords_and_parts(text, kinds):
         assert [one.kind for one in lint_program(program, core=True)] == kinds
 
 
-@pytest.mark.parametrize("text", ["#program cumulative(t). a(t). #program volatile(t).", "#cumulative t. #volatile t."])
-def test_lint_requires_no_keywords_without_a_core(text):
-    assert lint_program(ReactiveProgram.from_text(text, "home.lp")) == []
-
-
 IDLE = EXTERNALS + HEEDED + "#program cumulative(t). #program volatile(t). #program cumulative(t). "
 STATUS = "_status(I,succeeded,t) :- _request(do(I),t)."
 
@@ -57,9 +46,7 @@ STATUS = "_status(I,succeeded,t) :- _request(do(I),t)."
 @pytest.mark.parametrize(
     "rules",
     [
-        "_action_lib(go,a,t).",
         "1 { _action_lib(go,(a;b),t) } 1.",
-        "{ _action_lib(go,(a;b),t) }. :- not _action_lib(go,a,t), not _action_lib(go,b,t).",
         "{ _action_lib(go,(a;b),t) }. acts(t) :- _action_lib(A,P,t). :- not acts(t).",
         "{ _action_lib(go,a,t) }. _action_lib(rest,a,t) :- not _action_lib(go,a,t).",
     ],
@@ -72,9 +59,7 @@ def test_lint_reports_restless_programs_without_statuses(rules):
 @pytest.mark.parametrize(
     "rules",
     [
-        "{ _action_lib(go,(a;b),t) } 1.",
         "want(I,t) :- _request(do(I),t+1). 1 { _action_lib(go,(a;b),t) } 1 :- want(I,t).",
-        "{ _action_lib(go,a,t) }. :- not _action_lib(go,a,t), t < 3.",
         "want(I,t) :- _request(do(I),t+1). { _action_lib(go,a,t) }. :- want(I,t), not _action_lib(go,a,t).",
     ],
 )
@@ -89,9 +74,7 @@ STEPS = "#program base. {} #program cumulative(t). {} #program volatile(t). :- n
     ("base", "rules"),
     [
         ("p(0).", "p(t) :- p(S), S = t-1."),
-        ("p(1).", "p(t+1) :- p(t)."),
         ("p(2).", "p(t) :- p(t-1), t > 2. p(t) :- t < 2."),
-        ("#iinit 0. p(-1).", "p(t) :- p(t-1)."),
     ],
 )
 def test_lint_accepts_facts_of_initial_steps(base, rules):
@@ -103,10 +86,8 @@ def test_lint_accepts_facts_of_initial_steps(base, rules):
     "rules",
     [
         "#program volatile(t). end(t) :- p(t). :- not end(t).",
-        "#volatile t : 3. end(t) :- p(t). #program cumulative(t). :- end(t-2), x(t). { x(t) }. #volatile t.",
         "end(t) :- p(t). #program volatile(t). end(t) :- x(t). :- not end(t-1), p(t). { x(t) }.",
         "#external end/1. #program volatile(t). end(t) :- p(t). :- end(t-1).",
-        "#program volatile(t). end(t) :- p(t), x. #program base. x. end(5). #program cumulative(t). :- end(t-1).",
     ],
 )
 def test_lint_accepts_look_backs_at_persistent_atoms(rules):
@@ -124,18 +105,11 @@ def test_lint_accepts_look_backs_at_persistent_atoms(rules):
             [("constant-value", "n is three, but the program's own value is 3 (home.lp:1) (give a number)")],
         ),
         (
-            {"twice": '"9"'},
-            [("constant-value", 'twice is "9", but the program\'s own value is 6 (home.lp:2) (give a number)')],
-        ),
-        (
             {"n": "-1"},
             [("negative-constant", "own value is 3 (home.lp:1) (did you mean a negative number?)")],
         ),
-        ({"zero": "-1"}, []),
         ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are not numbers
         ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
-        ({"strat": "office2"}, [("unknown-constant", "the program has no #const strat (did you mean start?)")]),
-        ({"zzz": "1"}, [("unknown-constant", "(its constants are back, low, n, odd, pair, start, twice, zero)")]),
         ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
     ],
 )
@@ -166,13 +140,10 @@ def test_lint_places_translation_warnings():
     [
         ("a :- b.", ["undefined"]),
         ("a :- b. % check: ok undefined", []),
-        ("a :- b. %   check:ok   unused , undefined (because)", []),
         ("% check: ok undefined\na :- b.", []),
-        ("a. % check: ok undefined\na :- b.", ["undefined"]),
         ("a :- b. % check: ok unused", ["undefined"]),
         ("a :- b. % check: ok", ["silence", "undefined"]),
         ("a :- b. % check: ok undefind", ["silence", "undefined"]),
-        ("a :- b(1), % check: ok undefined\n c(2).", ["undefined"]),
     ],
 )
 def test_comments_silence_findings_by_line(text, left):

@@ -1,20 +1,15 @@
 """Plans that are deferred forever: the core of the verification reports them, and so do circular runs."""
 
 import pytest
-from clingo import Function
 from core_driver import DeferringSolver, Driver
 from verified_programs import VISITS, edited, more
 
-from rosoclingo.checking.verifying.moves import GOAL, ActionEnd, Arrival, Move
+from rosoclingo.checking.verifying.moves import GOAL, Arrival, Move
 from rosoclingo.checking.verifying.scope import DefectKind, EventSelection, VerifyLimits
-from rosoclingo.checking.verifying.state_graph import StateNode, Step, circles
 from rosoclingo.checking.verifying.trial_core import BrokenError, TrialCore
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_atom
-from rosoclingo.reasoning.keywords import Action
 from rosoclingo.reasoning.settings import CoreSettings
-
-GO = ActionEnd(Action(Function("go"), Function("hall"), 1), Function("hall"))
 
 
 def test_trial_core_reports_a_deferred_plan():
@@ -26,31 +21,6 @@ def test_trial_core_reports_a_deferred_plan():
     with pytest.raises(BrokenError) as broken:
         core.make(Move())
     assert broken.value.kind is DefectKind.PUT_OFF
-
-
-def run_through(*states, answers=(), goals=("visit(hall)",)):
-    """Return successive nodes with these states, without events."""
-    nodes = []
-    for state in states:
-        step = Step(Move(answers=tuple(answers)), ("an update",)) if nodes else Step(Move())
-        node = StateNode(None, nodes[-1] if nodes else None, step)
-        node.state, node.goals = state, goals
-        if nodes:
-            nodes[-1].onward.append((step, node))
-        nodes.append(node)
-    return nodes
-
-
-@pytest.mark.parametrize(("answers", "acts"), [((), False), ((GO,), True)])
-def test_circles_finds_a_run_that_returns(answers, acts):
-    (circle,) = circles(run_through("a", "b", "c", "b", answers=answers))
-    assert (circle.node.state, len(circle.steps)) == ("b", 2)
-    assert circle.acts is acts
-
-
-@pytest.mark.parametrize("nodes", [run_through("a", "b", "c"), run_through("a", "b", "a", goals=())])
-def test_circles_ignores_runs_without_return_or_goals(nodes):
-    assert list(circles(nodes)) == []
 
 
 #: No goal is served before cycle 3, and acting earlier has a cost.

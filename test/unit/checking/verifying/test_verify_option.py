@@ -25,14 +25,6 @@ def ask(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_verify_option_reports_a_clean_program(ask):
-    code, printed = ask(VISITS, "--verify", "1")
-    assert code == 0
-    assert re.search(r"^clean to depth 1: \d+ states, [\d.]+ s$", printed.out, re.MULTILINE)
-    assert "facts: _closed(den,1) _closed(hall,1); up to 2 cycles late, 1 early" in printed.out
-
-
-@pytest.mark.slow
 def test_verify_option_prints_a_stream_for_oclingo(ask, tmp_path, capsys):
     code, printed = ask(LATE, "--verify")
     assert code == 1

@@ -31,16 +31,12 @@ old(t) :- late(x,t-1). :- old(t), _action_lib(go,x,t)."""
     ("predicate", "condition", "constraint", "delay"),
     [
         ("low/1", "not low(t)", "", 0),
-        ("low/1", "not low(t-1)", "", 1),
         ("low/1", "#true", ":- _action_lib(go,X,t+1), low(t).", 1),
-        ("low/1", "#true", "weak(t) :- low(t). :- do(X,t), weak(t).", 0),
         ("low/1", "#true", "weak(t) :- low(t-1). weak(t) :- weak(t-1), not door(t). :- do(X,t), weak(t).", 1),
         ("fire/2", "#true", ":- fire(X,t), at(X,t).", 0),
         ("far/1", "#true", "near(t) :- far(T), T < t. :- near(t), do(X,t).", 1),
         ("far/1", "#true", "near(t) :- far(T), T <= t, t-T < 9. :- near(t), do(X,t).", 0),
         ("base_report/2", "#true", ":- reported(X,t-1), do(X,t).", 1),
-        ("quiet/1", "#true", "", 0),
-        ("seen/2", "not low(t)", "looks(t) :- seen(X,t).", 0),
         ("mood/1", "not mood(good)", "", None),
         (
             "late/2",

@@ -1,7 +1,5 @@
 """The steps whose rules can match an atom: a superset of those that clingo grounds, limited by comparisons."""
 
-from itertools import combinations
-
 import clingo
 import pytest
 from hypothesis import given
@@ -49,9 +47,7 @@ def test_can_see_includes_all_atoms_that_clingo_grounds(sides):
 @pytest.mark.parametrize(
     ("comparison", "age"),
     [
-        ("t-T < n", 2),
         ("0 <= t-T < n", 2),
-        ("2*t-1 < (T+n)*2", 3),
         ("-(T-t) <= 1", 1),
         ("t < T+5, t < T+2", 1),
     ],
@@ -67,46 +63,13 @@ def test_can_see_is_limited_by_comparisons(comparison, age):
     ("written", "atom", "steps"),
     [
         ("d(t)", "d(3)", {3}),
-        ("d(t+2)", "d(5)", {3}),
         ("d(T,t)", "d(x,2)", {2}),
         ("d(f(t))", "d(f(3))", set(STEPS)),  # arguments of terms are not inspected: any step matches
-        ("d(f(t))", "d(g(3))", set()),
         ("d(f(1,2))", "d(f(1))", set()),
-        ("d(f(1))", "d(f(2))", set()),
-        ("d(-f(1))", "d(-f(1))", set(STEPS)),
         ("d(-f(1))", "d(-g(1))", set()),
-        ("d(-5)", "d(-5)", set(STEPS)),
-        ("d(n)", "d(3)", set(STEPS)),
     ],
 )
 def test_can_see_matches_atoms_with_body_patterns(written, atom, steps):
     text = f"#program cumulative(t).\n#external d/1. #external d/2.\nhit(t) :- {written}.\n#program volatile(t).\n"
     program = ReactiveProgram.from_text(text.replace("T", "_"), constants={"n": "3"})
     assert {step for step in STEPS if program.can_see([parse_atom(atom)], step, step)} == steps
-
-
-@pytest.mark.parametrize("comparison", ["not t-T >= n", "t-T != n", "t-T > n", "t*T < n", "t-2*T < n", "(t-T)/2 < n"])
-def test_can_see_is_unlimited_without_usable_comparisons(comparison):
-    assert len(could_see(comparison)) == len(VALUES) * len(STEPS)
-
-
-BODIES = ["d(t,t+1)", "d(t-2,T)", "d(T,t)", "d(t+1,a)", "d(x,T)"]
-
-
-def with_bodies(*bodies):
-    """Return a program whose cumulative part has one rule per body."""
-    rules = "".join(f"hit({number},t) :- {body}, v(T).\n" for number, body in enumerate(bodies))
-    text = f"#external d/2.\nv(1..9).\n#program cumulative(t).\n{rules}#program volatile(t).\n"
-    return ReactiveProgram.from_text(text)
-
-
-@pytest.mark.parametrize("bodies", list(combinations(BODIES, 2)))
-def test_can_see_joins_the_rules_of_a_program(bodies):
-    atoms = [parse_atom(text) for text in ("d(3,4)", "d(x,4)", "d(5,a)", "d(5,6)")]
-    asked = [(atom, first, last) for atom in atoms for first in STEPS for last in (first, first + 2)]
-
-    def seen_by(*some):
-        program = with_bodies(*some)
-        return {one for one in asked if program.can_see([one[0]], *one[1:])}
-
-    assert seen_by(*bodies) == seen_by(bodies[0]) | seen_by(bodies[1])

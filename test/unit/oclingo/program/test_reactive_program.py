@@ -26,18 +26,10 @@ BC = "#program cumulative(t). b(t). #program volatile(t). c(t). "
     [
         # parts
         ("a. #cumulative t. b(t). #volatile k. c(k). #base. d.", "1 : 0.", "a b(1) c(1) d"),
-        ("a. #program cumulative(t). b(t). #program volatile(k). c(k). #program base. d.", "1 : 0.", "a b(1) c(1) d"),
         ("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "1 : 0.", "b(1)"),
         # comments and strings
-        ('a("#base. %*"). % #iinit 0.\n%* #volatile t. *% #cumulative t. b(t).', "1 : 0.", 'a("#base. %*") b(1)'),
         # externals
-        (
-            "d(1..2). #cumulative t. #external e(X) : d(X), t = 1. c(t) :- e(t+1). #volatile t.",
-            "1 : 0. e(2).",
-            "c(1) d(1) d(2) e(2)",
-        ),
         # volatile parts
-        ("#const n = 2. #cumulative t. #volatile t : n+1. b(t).", "4 : 0.", "b(2) b(3) b(4)"),
         *(
             (f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "3 : 0.", "b(1) b(2) b(3) c(3)")
             for part in ("#program volatile(t).", "#volatile t.", "#volatile t : 1.", "#volatile t : 4/3.")
@@ -88,15 +80,12 @@ def test_program_reports_all_faults_at_once():
     ("text", "line", "words"),
     [
         ("a :- b(.\n" + STEPS, 1, "syntax error"),
-        ("#external p/q.\n" + STEPS, 1, "syntax error"),
         ("#program foo(t).\n", 1, "unknown program part foo(t)"),
         ("#volatile t : w.\n", 1, "'w' is not a number"),
         ("#iinit x.\n", 1, "'x' is not a number"),
-        ("#cumulative t.\n#forget t : x.\n", 2, "'x' is not a number"),
         (STEPS + "_action_lib(a,b) :- m(1).\n", 4, "_action_lib(Action,Parameter,C)"),
         ("_action_lib(a,b,1).\n", 0, "no cumulative part"),
         (STEPS + "#program cumulative(t).\nw :- m(t).\n", 5, "redefinition: w is defined by the rules of two steps"),
-        (STEPS + "#program cumulative(t).\np(t) :- m(t).\np(t-1) :- m(t).\n", 5, "redefinition: p("),
         (
             "#program cumulative(t).\n#external e(t).\n_status(1,accepted,t) :- e(t+1).\n#program volatile(t).\n",
             3,
@@ -109,18 +98,11 @@ def test_program_reports_all_faults_at_once():
         ),
         ('#include "nowhere.lp".\n' + STEPS, 1, "nowhere.lp"),
         ("#begin_lua\n#end_lua.\n" + STEPS, 1, "scripts"),
-        ("#program base.\n#script (lua)\n#end.\n" + STEPS, 2, "scripts are not executed"),
     ],
 )
 def test_program_faults_name_line_and_fix(text, line, words):
     found = faults(text)
     assert any(place == line and words in message for _, place, message in found), found
-
-
-def test_redefinitions_are_reported_at_rules_of_steps():
-    found = faults("v :- a.\n{ a }.\n" + STEPS + "#program cumulative(t).\nw :- m(t).\nv :- m(t).\nu :- m(t).\n")
-    reported = [(line, text.split("redefinition: ")[1][0]) for _, line, text in found if "redefinition" in text]
-    assert reported == [(9, "u"), (8, "v"), (7, "w")]
 
 
 def test_program_reports_invalid_names_and_values_of_constants():

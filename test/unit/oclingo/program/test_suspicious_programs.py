@@ -18,20 +18,10 @@ def remarks(text, constants=None):
             "holds(a,1). b :- hold(X,1).\n",
             "f.lp:1:18: no rule and no #external defines hold/2: it is never true (did you mean holds/2",
         ),
-        ("b.\n:- not holds.\n", "f.lp:2:8: no rule and no #external defines holds/0: it is never true (write a rule"),
-        ("a :- -b.\nb.\n", "f.lp:1:6: no rule and no #external defines -b/0"),
         ("a :- 1 { b(X) : c(X) }.\nb(1).\n", "f.lp:1:17: no rule and no #external defines c/1"),
         (
             "#show place/2.\nplaced(1,2).\n",
             "f.lp:1:1: no rule and no #external defines place/2: it is never true (did you mean placed/2",
-        ),
-        (
-            "a :- start(1).\n_target(1,2).\n",
-            "f.lp:1:6: no rule and no #external defines start/1: it is never true (write",
-        ),
-        (
-            "a :- hold(X).\nholds(1,2).\n",
-            "f.lp:1:6: no rule and no #external defines hold/1: it is never true (did you mean holds/2",
         ),
         ("a :- _return(b,c,1).\n", "f.lp:1:6: no rule and no #external defines _return/3"),
     ],
@@ -61,16 +51,6 @@ def test_undefined_operations_are_reported_when_loading():
     assert ReactiveSolver(ReactiveProgram.from_text(text, "f.lp")).solve().warnings == (), "and not again"
 
 
-def test_undefined_operations_are_reported_once_while_solving():
-    text = "#program cumulative(s).\n#external e(X,s) : X = 0..1.\np(s) :- e(X,s), 1/X = s.\n#program volatile(s).\n"
-    program = ReactiveProgram.from_text(text, "f.lp")
-    assert program.warnings == []
-    solver = ReactiveSolver(program)
-    (warning,) = solver.solve().warnings
-    assert warning.startswith("f.lp:3:17: undefined operation (1/X)")
-    assert solver.update(parse_update("#step 3. #endstep.")).warnings == ()
-
-
 @pytest.mark.parametrize(
     ("text", "messages"),
     [
@@ -83,13 +63,6 @@ def test_undefined_operations_are_reported_once_while_solving():
                 "unsafe variable X in :- not p(X,_), p(_,k).",
                 "unsafe variable X in #external e(X).",
                 "unsafe variable Y in #external f(Y,k) : q(X).",
-            ],
-        ),
-        (
-            "#base.\nd(1..2).\n#cumulative t.\n#external e(X,t). #external f(X;Y,t) : d(X) : d(X). #hide.\n",
-            [
-                "unsafe variable X in #external e(X,t).",
-                "unsafe variable Y in #external f(X;Y,t) : d(X) : d(X).",
             ],
         ),
     ],

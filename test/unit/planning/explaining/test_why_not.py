@@ -77,25 +77,6 @@ def test_explanation_excludes_plans_of_any_length():
     assert found.text().startswith("No plan of at most 4 steps, and none of any length.\nThis rule excludes a plan:\n")
 
 
-def test_explanation_of_few_steps_allows_longer_plans():
-    found = why_not(GO, steps=0)
-    assert not found.never
-    assert found.last == 1
-    assert why_not(GO, steps=1) is None
-
-
-def test_explanation_names_facts_of_the_history():
-    found = why_not(GO, steps=2, before=["#step 1. shut(b,1). shut(b,2). shut(b,3)."])
-    assert [one.text for one in found.stream_facts] == ["_request(go(c),2).", "shut(b,1).", "shut(b,2)."]
-
-
-def test_explanation_without_constraints_names_the_facts():
-    found = why_not("", text="#program base.\np. -p. q(1).\n#program cumulative(t).\n")
-    assert found.rules == ()
-    assert [one.text for one in found.facts] in ([], ["p.", "-p."])
-    assert "No constraint excludes a plan" in found.text()
-
-
 def why_not_after(looks):
     """Return the explanation found within ``looks`` polls of the stop, or None."""
     calls = count()

@@ -154,19 +154,6 @@ STREAMS = {
         "#step 1 : 148. go. ? go -> no go",
         "#step 1 : 148. go. ? -go -> yes",
     ),
-    "steps that declare mentioned atoms": (
-        "#external go/0. #cumulative t. { _action_lib(a,b,t+1) }. :- t = 2, go, not _action_lib(a,b,t+1).",
-        "#step 2 : 20. go. ? go -> yes",
-        "#step 2 : 20. go. ? -go -> yes",
-    ),
-    "asserted facts until their retraction": (
-        BOLT,
-        "#step 1 : 3. #assert : a. knock(d).",
-        "#step 2 : 3. ? knock(d) -> no knock(d)",
-        "#step 2 : 3. ? -knock(d) -> yes",
-        "#step 2 : 3. #retract : a. ? knock(d) -> yes",
-        "#step 2 : 3. #retract : a. ? -knock(d) -> yes",
-    ),
 }
 
 

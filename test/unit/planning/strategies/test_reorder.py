@@ -46,15 +46,6 @@ def test_reordered_joins_tasks_at_one_place(first):
     assert (back.horizon, acts_of(back)[-1]) == (8, "go b"), "it ends at the place where the plan ends"
 
 
-@pytest.mark.parametrize(
-    "acts",
-    ["", "go a; go b; go a", "water fern; water rose", "go a; go b; go a; take 1; go b; put 1; go a"],
-    ids=["no plan", "only moves", "no moves", "one chain"],
-)
-def test_reordered_returns_none_for_a_single_order(acts):
-    assert candidate(plan_of(acts)) is None
-
-
 def do(office, acts):
     """Execute acts in an office; AssertionError if one is impossible."""
     for act in acts:

@@ -1,13 +1,10 @@
 """The search for a first plan: its questions, and the time for better plans (see also test_walks.py)."""
 
-from itertools import count
-
 import pytest
 from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
-from plain_walk import program_text
-from stream_play import adopt, processor_clock
+from stream_play import adopt
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.planning.history import Plan, cycle_of
@@ -55,30 +52,7 @@ def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
         assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
-@pytest.mark.parametrize("advises", [False, True])
-def test_soon_extends_the_last_plan_while_an_action_goes_on(advises):
-    """New tasks are added to the delayed plan; with advice, any plan is tried first."""
-    world = {"step": 2, "horizon": 12, "most": 12, "running": True, "advises": advises, "hard": {12: 10**6}}
-    _, horizon, asked = run({12: [2, 3, 4, 12]}, world, plan(9, 2, 3))
-    assert horizon == 12
-    assert ("2..12+2+3+4/100" in asked) is not advises
-
-
 # ---- In the solver ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("news", ["", "_request(0,2)."])
-def test_soon_does_not_shorten_predicted_plans(news, searches):
-    ticks = count(0.0)
-    solver = PlanSolver(ReactiveProgram.from_text(program_text()), plan_time=1.0)
-    with processor_clock(lambda: next(ticks)):
-        first = solver.update(parse_update("#step 1. _request(3,1). _request(-2,1). #endstep."))
-    (action,) = (one for one in Plan.from_result(first).actions if cycle_of(one) == 1)
-    assert not first.shortest
-    searches.clear()
-    with processor_clock(lambda: 2.0):
-        result = solver.update(parse_update(f"#step 2. #closed 1. :- not {action}. {news} #endstep."))
-    assert (len(searches) == 1, result.shortest) == (not news, bool(news))
 
 
 CARTS = """
@@ -122,6 +96,17 @@ def test_soon_delays_other_robots_if_one_is_in_the_way(searches):
     found = late_plan(searches, "#program cumulative(t). :- at(r1,3,t), at(r2,2,t).")
     assert len(found) == 7, "each cart goes on"
     assert searches[:2] == [(5, 5), (2, 5 + LATER)], "the delayed plan, and any later one"
+
+
+def test_soon_drops_the_drives_that_no_goal_needs():
+    """The program advises them; with several robots, its advice is not trusted."""
+    needs = "#program base. needs(r1,4). needs(r2,0). #program cumulative(t). "
+    advice = "#heuristic _action_lib(go(R),P,t) : cart(R), P = 1..6. [1,true]"
+    text = CARTS.replace("P < 4", "P < N, needs(R,N)") + needs + advice
+    result = PlanSolver(ReactiveProgram.from_text(text), plan_time=0.0).update(
+        parse_update("#step 1. _request(go,1). #endstep.")
+    )
+    assert {str(one.arguments[0]) for one in Plan.from_result(result).actions} == {"go(r1)"}
 
 
 @pytest.mark.parametrize(

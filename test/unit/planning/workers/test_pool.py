@@ -35,13 +35,6 @@ EXPLODING = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,
 PLANS = {"shortest": True}
 
 
-@pytest.fixture(scope="module")
-def echo():
-    with pool_of(ECHO, models=0) as pool:
-        pool.start()
-        yield pool
-
-
 def pool_of(text, **options):
     return WorkerPool(ReactiveProgram.from_text(text), **options)
 
@@ -78,20 +71,6 @@ def test_pool_answers_as_solver_in_this_process(case):
             assert (found.outcome, found.horizon, found.step) == (expected.outcome, expected.horizon, expected.step)
             assert (found.warnings, found.permanent) == (expected.warnings, expected.permanent)
             assert (there.horizon, there.step) == (here.horizon, here.step)
-
-
-def test_solvers_share_a_worker_and_no_history(echo):
-    one, other = ProcessSolver(echo), ProcessSolver(echo)
-    fed(one, "1. e(1).")
-    before = one.log
-    assert answers(fed(other, "1.")) == [[]]
-    assert answers(fed(one, "2.")) == [["c(1)", "e(1)"]]
-    fed(one, "3. e(2).")
-    one.restore(before)
-    assert (one.step, one.horizon) == (1, 1)
-    assert answers(fed(one, "2.")) == [["c(1)", "e(1)"]]
-    other.restore(before.withdraw(frozenset([parse_atom("e(1)")])))
-    assert answers(fed(other, "2.")) == [[]]
 
 
 # ---- Lifetime of workers ---------------------------------------------------------------------------------------------

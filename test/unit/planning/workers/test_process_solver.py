@@ -9,8 +9,7 @@ from children import ended, kill, wait_until_prepared
 from plain_walk import RESTING, onward
 
 from rosoclingo.oclingo import ReactiveProgram, SolverError, parse_atom, parse_update
-from rosoclingo.planning import planning_solver
-from rosoclingo.planning.history import AdoptedPlan, Plan, cycle_of
+from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
@@ -95,10 +94,8 @@ def follow(script, here, pool, solver):
     [
         ("lacks failure, prefetch failure, wait, has failure, lacks other, update failure, update repeated", "standby"),
         ("prefetch failure, wait, update other", "worker"),
-        ("prefetch other, prefetch success, prefetch failure, wait, prefetch failure, wait, update failure", "standby"),
         # after predicted updates
         ("prefetch later, wait, update success, update second, update later", "standby"),
-        ("prefetch later, update failure, update repeated", "worker"),
         # lost workers
         ("prefetch failure, wait, lose standby, lacks failure, prefetch failure, update failure", "new"),
         ("prefetch failure, lose worker, update other", "standby"),
@@ -107,17 +104,6 @@ def follow(script, here, pool, solver):
 def test_prefetched_answer_is_used_for_its_update_only(here, pool, solver, script, active):
     """The standby takes over with it, even if it is still searching; a lost worker costs only time."""
     assert follow(script, here, pool, solver) == active
-
-
-def test_solver_waits_for_prefetched_answers_until_stopped(pool, solver):
-    os.kill(pool.standby_pid, signal.SIGSTOP)
-    try:
-        solver.prefetch(FAILED)
-        looks = iter([False, False, True])
-        assert not solver.has_prefetched(FAILED, lambda: next(looks))
-    finally:
-        os.kill(pool.standby_pid, signal.SIGCONT)
-    assert solver.has_prefetched(FAILED, lambda: False)
 
 
 @pytest.mark.slow
@@ -168,35 +154,6 @@ def test_predicted_update_does_not_wait_for_the_worker(alone):
     assert from_now_on(solver.update(failed)) == from_now_on(here.update(failed))
     assert here.horizon > first.horizon
     assert solver.log.key == here.log.key
-
-
-@pytest.mark.slow
-def test_worker_appends_checkpoint_after_predicted_updates(alone, monkeypatch):
-    """A stop does not wait for the checkpoint, which a later call inserts; another worker can read it."""
-    monkeypatch.setattr(planning_solver, "LONG_PREDICTED", 3)
-    here, solver = PlanSolver(PROGRAM, plan_time=60.0), ProcessSolver(alone)
-
-    def length():
-        return sum(not isinstance(one, AdoptedPlan) for one in solver.log.entries)
-
-    ask = parse_update("#step 1 : 50. _request(9,1). #endstep.")
-    assert solver.update(ask) == here.update(ask)
-    for step in range(2, 9):
-        assert solver.update(onward(step, step - 1)) == here.update(onward(step, step - 1))
-        if step == 5:
-            log = solver.log
-            os.kill(alone.pid, signal.SIGSTOP)
-            solver.compact(lambda: True)
-            assert solver.log is log
-            os.kill(alone.pid, signal.SIGCONT)
-        if step in (3, 6):
-            solver.compact(lambda: False)
-            assert length() == (2 if step == 6 else 3)
-        if step == 7:
-            kill(alone)
-    assert length() == 4, "the checkpoint and the later updates"
-    found, expected = solver.update(onward(9, "no")), here.update(onward(9, "no"))
-    assert (found.outcome, found.horizon) == (expected.outcome, expected.horizon)
 
 
 def idling(pool):

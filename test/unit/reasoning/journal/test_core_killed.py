@@ -1,21 +1,25 @@
-"""Kill the core at any instant, while actions of several cycles run or with preemption; `test_both_killed` has errands.
+"""Kill the core and the interfaces at any instant, alone or together: no action runs twice, each goal ends once.
 
-Each goal ends once, with the right outcome, and no action runs twice.
+Also while actions of several cycles run, and with preemption. The action servers survive every kill.
 """
 
 import copy
 import tempfile
+from collections import Counter
 from pathlib import Path
 
+import office_world
 import pytest
 from core_driver import shortest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KILLS, PROGRAM, Fate, Play, World
+from killed_core import HAPPENED, KEYS, KILLS, PROGRAM, Fate, Play, World, played
+from shipped import shipped
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
+from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, history
 from rosoclingo.reasoning.settings import CoreSettings
@@ -34,11 +38,48 @@ class Team(World):
     program = ReactiveProgram.from_text(ERRANDS_AT_ONCE)
 
 
-def played(script, kills=(), preempt=False, world=World):
-    """Play a script with kills and return the result."""
-    fate = Fate(kills)
-    with tempfile.TemporaryDirectory() as name, fate.rules():
-        return Play(Path(name), fate, preempt, world()).play(script), fate
+class Mailbot(World):
+    """The interfaces of the mailbot: kinds of goals are pairs of offices, and the key is the package.
+
+    The world is modelled independently of the program. Failures are too rare to abort a goal.
+    """
+
+    horizon_limit = 30
+
+    def __init__(self, folder, fate):
+        super().__init__(folder, fate)
+        self._office, self._failures = office_world.World(), Counter()
+
+    @property
+    def program(self):
+        """Return the program of the core."""
+        return shipped("mailbot.lp", "office.lp")
+
+    @staticmethod
+    def text(key, kind):
+        """Return the text of a goal."""
+        return "goal({},{},{})".format(*kind, key)
+
+    def execute(self, action, good):
+        """Execute a possible action of the robot, or fail."""
+        for key, (origin, _) in self.goals.items():
+            self._office.places.setdefault(key, origin)
+        self._failures[str(action.parameter)] += not good
+        if not good and self._failures[str(action.parameter)] < 3:
+            return "failed"
+        self._office.do(action)
+        return action.parameter
+
+    def check(self):
+        """Check that each goal has ended and that its package is where the end says."""
+        for key, (origin, target) in self.goals.items():
+            place = self._office.places.get(key, origin)
+            if self.ends[key] is GoalState.SUCCEEDED:
+                assert place == target
+            else:
+                assert self.ends[key] in (GoalState.RECALLED, GoalState.PREEMPTED)
+                assert key in self.cancelled
+                assert place in (origin, target)  # present if the goal was cancelled during the delivery
 
 
 #: Goals that are met, rejected, cancelled and aborted, a failure, a fact, concurrent and consecutive goals.
@@ -78,11 +119,16 @@ TEAM_SCRIPT = [
 
 @pytest.mark.slow
 @pytest.mark.once
-def test_core_survives_kill_at_every_instant():
-    play, fate = played(TEAM_SCRIPT, world=Team)
-    assert (play.kills, bool(fate.writes)) == (0, True)
+@pytest.mark.parametrize(("script", "kind"), [(SCRIPT, World), (TEAM_SCRIPT, Team)], ids=["errands", "team"])
+def test_interfaces_or_core_survive_kill_at_every_instant(script, kind):
+    play, fate = played(script, kind=kind)
+    assert (play.kills, play.world.kills, bool(fate.writes)) == (0, 0, True)
+    interfaces = 0
     for instant, share in fate.kills_at_every_instant():
-        assert played(TEAM_SCRIPT, [(instant, share, share < 1000)], world=Team)[0].kills == 1
+        play, _ = played(script, [(instant, share, False)], kind)
+        assert play.kills + play.world.kills == 1
+        interfaces += play.world.kills
+    assert 0 < interfaces < fate.instants
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +138,8 @@ def states():
         fate = Fate()
         with fate.rules(), pytest.MonkeyPatch.context() as patch:
             patch.setattr(folder, "RECORDS", 10**9)
-            Play(Path(name), fate, preempt=False).play(SCRIPT)
-        return [copy.deepcopy(state) for state, _ in history(Path(name) / NAME)[1]]
+            Play(Path(name), fate, World, preempt=False).play(SCRIPT)
+        return [copy.deepcopy(state) for state, _ in history(Path(name) / "core" / NAME)[1]]
 
 
 @pytest.mark.slow
@@ -108,5 +154,21 @@ def test_journal_state_equals_state_of_resumed_core(states):
 
 @pytest.mark.slow
 @given(script=st.lists(HAPPENED, min_size=3, max_size=14), kills=KILLS, long_actions=st.booleans())
-def test_core_survives_repeated_kills(script, kills, long_actions):
-    played(script, kills, not long_actions, Team if long_actions else World)
+def test_interfaces_and_core_survive_repeated_kills(script, kills, long_actions):
+    played(script, kills, Team if long_actions else World, preempt=not long_actions)
+
+
+PAIRS = st.permutations(office_world.OFFICES).map(lambda offices: tuple(offices[:2]))
+ORDERED = st.one_of(
+    st.tuples(st.just("goal"), PAIRS),
+    st.tuples(st.just("cancel"), KEYS),
+    *[st.tuples(st.just("answer"), KEYS, st.booleans())] * 3,
+)
+
+
+@pytest.mark.slow
+@pytest.mark.once
+@settings(max_examples=max(3, settings.default.max_examples // 8))
+@given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
+def test_mailbot_packages_end_in_right_place_after_kills(script, kills):
+    played(script, kills, Mailbot)

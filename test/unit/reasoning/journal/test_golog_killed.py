@@ -1,13 +1,10 @@
 """Kill the core during control programs: they continue where they were, and no action runs twice."""
 
-import tempfile
-from pathlib import Path
-
 import pytest
 from golog_programs import ENCODINGS
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from killed_core import KILLS, Fate, Play, World
+from killed_core import KILLS, World, played
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
@@ -56,8 +53,8 @@ class Programs(World):
     program = ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", PROGRAMS)])
     horizon_limit, any_plan = 12, False
 
-    def __init__(self):
-        super().__init__()
+    def __init__(self, folder, fate):
+        super().__init__(folder, fate)
         self.order = {}
 
     def execute(self, action, good):
@@ -86,40 +83,6 @@ class Programs(World):
                 assert order != "1", "it has to be tidied up"
 
 
-def played(script, kills=()):
-    """Play a script with kills and return the result."""
-    fate = Fate(kills)
-    with tempfile.TemporaryDirectory() as name, fate.rules():
-        return Play(Path(name), fate, False, Programs()).play([*script, ("fact", "_seen(ball)")])
-
-
-#: Programs that are interrupted half-way, cancelled there, or have failing actions.
-SCRIPT = [
-    ("goal", "tidied"),
-    ("goal", "loop"),
-    ("answer", 0, True),
-    ("cancel", 1),
-    ("answer", 0, False),
-    ("goal", "wait"),
-    ("answer", 0, True),
-    ("answer", 0, False),
-    ("goal", "tried"),
-    ("answer", 0, True),
-    ("answer", 0, True),
-]
-
-
-@pytest.mark.slow
-def test_control_programs_continue_after_core_kill():
-    without = played(SCRIPT)
-    assert set(without.world.ends.values()) == {GoalState.SUCCEEDED, GoalState.PREEMPTED}
-    play = played(SCRIPT, [(instant, 1000, False) for instant in (23, 31, 17)])
-    assert play.kills == 3
-    assert {key: sorted(order) for key, order in play.world.order.items()} == {
-        key: sorted(order) for key, order in without.world.order.items()
-    }
-
-
 HAPPENED = st.one_of(
     st.tuples(st.just("goal"), st.sampled_from(list(WHOLE))),
     st.tuples(st.just("goal"), st.sampled_from(list(WHOLE))),
@@ -136,4 +99,4 @@ HAPPENED = st.one_of(
 )
 @given(script=st.lists(HAPPENED, min_size=3, max_size=12), kills=KILLS)
 def test_control_programs_survive_repeated_core_kills(script, kills):
-    played(script, kills)
+    played([*script, ("fact", "_seen(ball)")], kills, Programs)

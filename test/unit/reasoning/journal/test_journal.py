@@ -216,18 +216,6 @@ def test_journal_reports_failing_disk_and_retries(folder):
     assert folder.read().state == {"core": 6}
 
 
-def test_journal_survives_disk_that_cannot_delete(folder, monkeypatch):
-    folder.put({"core": 1}, 0.0)
-
-    def refuse(*_):
-        raise OSError(30, os.strerror(30))
-
-    monkeypatch.setattr(os, "replace", refuse)
-    with room_for(0):
-        folder.put({"core": 2}, 1.0)
-    assert "disk I/O error" in folder.fault
-
-
 def test_journal_can_be_read_live_and_from_a_copy(folder, tmp_path):
     for number in range(3):
         folder.put({"core": number})

@@ -2,18 +2,13 @@
 
 import json
 
-import pytest
 from core_driver import ERRANDS, shortest
-from full_disk import room_for
 from kept_node import PROGRAM
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, ReturnAccepted
+from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged
 from rosoclingo.reasoning.goals import GoalState, Outcome
-from rosoclingo.reasoning.journal import folder
-from rosoclingo.reasoning.journal.database import Header
-from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -38,16 +33,6 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
     ]
     assert ends == ["rejected", "succeeded"]
     assert not node.keeper.clients
-
-
-def test_keeper_makes_a_return_durable_at_once(start):
-    node = start()
-    node.goal("a", "do(walk,1)")
-    (action,) = node.core.awaited
-    node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
-    node.keeper.send()
-    assert [type(event) for event in node.published][-1] is ReturnAccepted
-    assert start().core.awaited == ()
 
 
 def test_keeper_holds_unconfirmed_end_until_it_expires(start):
@@ -76,14 +61,13 @@ TOGETHER = (
 )
 
 
-@pytest.mark.parametrize("text", [ERRANDS, TOGETHER])
-def test_keeper_shutdown_cancels_each_action_under_way(start, text):
-    program = ReactiveProgram.from_text(text)
+def test_keeper_shutdown_cancels_each_action_under_way(start):
+    program = ReactiveProgram.from_text(TOGETHER)
     node = start(program)
     node.core.add_goal("a", "do(walk,1)")
     node.goal("b", "do(run,2)")
     under_way = node.core.awaited
-    assert len(under_way) == (2 if text is TOGETHER else 1)
+    assert len(under_way) == 2
 
     def look(event):
         if isinstance(event, ActionsPreempted):
@@ -109,27 +93,11 @@ def test_keeper_shutdown_cancels_each_action_under_way(start, text):
     assert [one.outcome for one in again.published if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
 
 
-def test_keeper_second_shutdown_cancels_no_action_twice(start):
-    node = start()
-    node.goal("a", "do(walk,1)").core.shut_down("is aborted")
-    node.keeper.send()
-    again = start()
-    again.core.shut_down("is aborted")
-    again.keeper.send()
-    assert not [one for one in again.published if isinstance(one, ActionsPreempted)]
-
-
-def kept(journal, now=lambda: 0.0):
-    """Return a core that has not begun, its keeper, and the released messages."""
+def test_keeper_releases_all_messages_without_journal():
     published = []
-    keeper = Keeper(published.append, journal, now, lambda: 0.0)
+    keeper = Keeper(published.append, None, lambda: 0.0, lambda: 0.0)
     core = Core(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
     keeper.attach(core)
-    return core, keeper, published
-
-
-def test_keeper_releases_all_messages_without_journal(tmp_path):
-    core, keeper, published = kept(None)
     core.start()
     keeper.add("a", ClientGoal("do(", (1, 2)))
     keeper.keep()
@@ -138,27 +106,4 @@ def test_keeper_releases_all_messages_without_journal(tmp_path):
     keeper.send()
     assert [(one.key, one.state) for one in published if isinstance(one, GoalChanged)] == [("a", GoalState.REJECTED)]
     assert (keeper.clients, keeper.fault) == ({}, "")
-    keeper.close()
-
-
-def test_keeper_reports_problems_of_the_journal(tmp_path):
-    place, now = Journal(tmp_path, Header("run", "program")), [0.0]
-    _, keeper, _ = kept(place, lambda: now[-1])
-    assert keeper.fault == ""
-    with room_for(0):
-        keeper.add("a", ClientGoal("do(walk,1)", (1, 2)))
-        keeper.keep()
-        assert "disk I/O error" in keeper.fault
-    now.append(folder.RETRY - 0.1)
-    keeper.send()
-    assert keeper.fault
-    now.append(folder.RETRY)
-    keeper.send()
-    assert keeper.fault == ""
-    assert place.read().state["client:a"] == {
-        "text": "do(walk,1)",
-        "stamp": [1, 2],
-        "cancelled": False,
-        "ending": None,
-    }, "though nothing has happened"
     keeper.close()

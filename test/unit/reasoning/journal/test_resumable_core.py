@@ -166,26 +166,3 @@ def test_resumed_core_names_facts_of_its_predecessor_as_reasons():
         pass
     (end,) = [one for one in events if isinstance(one, GoalChanged) and one.outcome is not None]
     assert end.message == "reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"
-
-
-def test_resumed_core_answers_queries_of_its_node():
-    program, disk, events = ReactiveProgram.from_text(ERRANDS), Disk(), []
-    settings = dataclasses.replace(SETTINGS, preempt=True)
-    first = Core(program, lambda: shortest(program), events.append, settings)
-    first.start()
-    for key, text in (("a", "do(walk,1)"), ("b", "do(run,2)")):
-        first.add_goal(key, text)
-    assert first.advance(0.0)
-    (action,) = first.awaited
-    first.cancel_goal("a" if action.interface_name == "walk" else "b")
-    assert not first.advance(0.0)
-    disk.write(first.state())
-    core = Core(program, lambda: shortest(program), events.append, settings, record=disk.read())
-    assert core.preempted == first.preempted == (action,)
-    assert {*first.awaited} <= {*core.shown} == {*first.shown}
-    assert core.horizon == first.horizon >= 1
-    assert (str(core.goal("b")), core.goal("c")) == ("do(run,2)", None)
-    core.shut_down("is aborted: the core shuts down")
-    ends = {one.key: one.message for one in events if isinstance(one, GoalChanged) and one.outcome is not None}
-    assert ends == {key: f"{first.goal(key)} is aborted: the core shuts down" for key in "ab"}
-    assert core.live_goals == []

@@ -41,11 +41,6 @@ def test_start_without_journal(folder):
     assert opened(None, "yes", AGAIN)[:3] == (None, "second", None)
 
 
-def test_start_with_empty_folder(folder):
-    found = opened(folder, "yes", AGAIN)
-    assert (found.run, found.state, found.remarks) == ("second", None, [])
-
-
 @pytest.mark.parametrize(("resume", "launch"), [("ask", "launch 1"), ("yes", "launch 2"), ("yes", "")])
 def test_start_resumes_from_journal(folder, left, resume, launch):
     found = opened(folder, resume, AGAIN._replace(launch=launch))
@@ -61,14 +56,6 @@ def test_start_begins_a_new_run_on_request(folder, left, resume, launch):
     assert (folder / "journal.db.old").exists()
     assert found.odd == (resume == "ask")
     assert ("2 open goals" in "".join(found.remarks)) == (resume == "ask")
-
-
-def test_start_is_silent_about_journal_without_goals(folder):
-    place = Journal(folder, BEFORE)
-    place.write({}, lambda: {"core:step": 7}, 0.0, 0.0)
-    place.close()
-    found = opened(folder, "ask", AGAIN._replace(launch="launch 2"))
-    assert (found.remarks, found.odd) == ([], False)
 
 
 def test_start_refuses_journal_of_another_program(folder, left):
