@@ -219,7 +219,7 @@ class Improvement:
         """Yield a question about another order of the tasks, in which robots can wait for each other."""
         plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
         if plan is not None:
-            late = min(WAITS, self._plan.horizon - 1 - plan.horizon)
+            late = min(WAITS, self._plan.horizon - 1 - plan.horizon) if self._runner.program.actions_go_on else 0
             last = max(self._begin, plan.horizon + late)
             given = plan.late(self._runner.actions(self._step + 1, last), late)
             yield Question(self._first, last, given, conflicts=conflicts)

@@ -55,7 +55,7 @@ class WorkerPool:
                 threads.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
                 :class:`ReactiveSolver`. ``growth`` is the number of bytes by which a worker can grow before it is
-                replaced (default: 32 MB, or half of its memory if that is more), without a larger grounding.
+                replaced (default: 32 MB, or as much as it uses if that is more), without a larger grounding.
 
         """
         self._start_worker = lambda: SolverWorker(program, options, patience, fork)

@@ -34,7 +34,7 @@ NICENESS = 10
 """Niceness of an explaining process."""
 
 GROWTH = 32 * 2**20
-"""Growth in bytes after which a worker is replaced; half of its memory if that is more."""
+"""Growth in bytes after which a worker is replaced; as much as it uses if that is more."""
 
 LARGER = 1.25
 """Factor between the numbers of atoms of two groundings from which their memory is not compared."""
@@ -78,7 +78,7 @@ class WorkerMain:
         """
         memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
         if self._solver.atoms > LARGER * self._most_atoms:
-            growth = max(GROWTH, memory // 2) if self._growth is None else self._growth
+            growth = max(GROWTH, memory) if self._growth is None else self._growth
             self._most_memory, self._most_atoms = memory + growth, self._solver.atoms
         return memory > self._most_memory
 
