@@ -4,7 +4,8 @@ The plan is read as a tour; if it has several actions at a step, as one tour for
 actions of its kind are *moves*, each to the place in its parameter. Other actions are *tasks* at the place of the last
 move. Tasks with the same parameter, such as a pickup and a delivery, form a *chain*: one robot does them, in the order
 of the plan. A chain is open from its first to its last task; in a candidate, no robot has more open chains than one has
-in the plan. Moves use the connections of the plan; half of the searches use them in both directions.
+in the plan. Moves use the connections of the plan; half of the searches use them in both directions. Half of the
+searches also use robots without actions in the plan, which can be out of service.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
 each where it costs least. Like simulated annealing, it also accepts slightly longer tours.
@@ -64,7 +65,8 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
     """
     steps = _steps(plan)
     rest = [one for one in steps if one.cycle > step]
-    tours = Tours([one for one in steps if one.cycle <= step], rest, both_ways=random.random() < 0.5)
+    past = [one for one in steps if one.cycle <= step]
+    tours = Tours(past, rest, both_ways=random.random() < 0.5, idle_robots=random.random() < 0.5)
     if len({(one.cycle, one.robot) for one in rest}) < len(rest) or len(tours.chains) < 2:
         return None
     best = orders = tours.orders
@@ -114,10 +116,13 @@ class Tours:
 
     """
 
-    def __init__(self, past: Sequence[Step], plan: Sequence[Step], both_ways: bool) -> None:
-        """Read ``plan``, which follows the ``past``; if ``both_ways``, connections are symmetric."""
+    def __init__(self, past: Sequence[Step], plan: Sequence[Step], both_ways: bool, idle_robots: bool) -> None:
+        """Read ``plan``, which follows the ``past``.
+
+        If ``both_ways``, connections are symmetric. Robots that act only in the past are used if ``idle_robots``.
+        """
         self._moving = {kind for (kind, _), count in Counter(one.act for one in plan).items() if count > 1}
-        self._robots = sorted({one.robot for one in (*past, *plan)})
+        self._robots = sorted({one.robot for one in (*plan, *(past if idle_robots else ()))})
         self._exits: Dict[Act, List[Act]] = {}
         self._tasks: List[Act] = []
         self.orders: List[Order] = []

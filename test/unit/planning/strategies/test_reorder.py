@@ -116,6 +116,12 @@ def test_reordered_gives_tasks_to_the_robot_with_less_to_do():
     assert all(len([act for act in tours[robot] if act.startswith("take")]) == 1 for robot in ("r1", "r2"))
 
 
+def test_reordered_uses_idle_robots_in_half_of_the_searches():
+    busy = "go a; go b; go c; take 1; go b; go a; put 1; go b; go c; take 2; go b; go a; put 2"
+    found = [candidate(fleet_plan({"r1": busy, "r2": "go b"}), 1, seed=seed) for seed in range(8)]
+    assert {one is None for one in found} == {True, False}, "r2 can be out of service"
+
+
 @pytest.mark.slow
 @given(
     st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=8), st.integers(2, 3), st.randoms()
