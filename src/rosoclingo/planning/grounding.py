@@ -54,7 +54,7 @@ CLOSED_PIECE = 4
 PAST: Tuple[str, List[str]] = ("__oclingo_past", [])
 """Name and parameters of the program part with the facts of compacted steps."""
 
-FOLLOWING = 16
+FOLLOWING = 8
 """Number of steps after the present one in which updates about running actions need no regrounding.
 
 In these steps, each action has an external and all that depends on it, so searches with more of them take longer.

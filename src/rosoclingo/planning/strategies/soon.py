@@ -118,12 +118,11 @@ class FirstPlanSearch:
         if running:
             end = self._end
             reply = yield from self._ask_later(plans[0])
-            plans.append(self._plan.waiting_for(running, step))
-            if not reply.satisfiable:
-                reply = yield from self._ask_exactly(plans[1])
             if reply.satisfiable:
                 return reply
             self._end = end  # other plans need no more steps
+        if running:
+            plans.append(self._plan.waiting_for(running, step))
         self._rests = [plan for plan in plans if plan.actions]
         return None
 
