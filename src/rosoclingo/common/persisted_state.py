@@ -64,8 +64,9 @@ class PersistedState:
     def _set(self) -> None:
         """Set the parameter, unless the master has the value, or the node shuts down."""
         value = self._value
-        known = self._saved is value and self._master.getParam(self._node, self._parameter)[2] == value
-        if value is not None and not known:
+        if value is None:
+            return
+        if self._saved is not value or self._master.getParam(self._node, self._parameter)[2] != value:
             self._master.setParam(self._node, self._parameter, value)
             self._saved = value
 

@@ -79,9 +79,9 @@ class Plan(NamedTuple):
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
         return [(action, action in self.actions) for action in actions]
 
-    def late(self, actions: Iterable[clingo.Symbol], most: int) -> List[Tuple[clingo.Symbol, bool]]:
-        """Return assumptions that ``actions`` are false, but for those of the plan, up to ``most`` cycles late."""
-        allowed = {delay(action, late) for action in self.actions for late in range(most + 1)}
+    def excluding_others(self, actions: Iterable[clingo.Symbol], late: int) -> List[Tuple[clingo.Symbol, bool]]:
+        """Return assumptions that exclude ``actions``, except those of the plan and up to ``late`` cycles later."""
+        allowed = {delay(action, cycles) for action in self.actions for cycles in range(late + 1)}
         return [(action, False) for action in actions if action not in allowed]
 
     @property

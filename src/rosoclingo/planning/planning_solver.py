@@ -44,11 +44,6 @@ class PlanningSolver(ABC):
         return max(self.horizon, self._under_way())
 
     @property
-    def atoms(self) -> int:
-        """The number of atoms of the last search's grounding, 0 if it is not known."""
-        return 0
-
-    @property
     def step(self) -> int:
         """k, the step of the last update."""
         return self.log.step

@@ -106,7 +106,7 @@ class PlanSolver(PlanningSolver):
 
     @property
     def atoms(self) -> int:
-        """The number of atoms of the last search's grounding."""
+        """The number of atoms in the grounding of the last search, 0 if there is none."""
         return 0 if self._searched is None else self._searched.runner.grounding.size
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
@@ -240,10 +240,10 @@ class PlanSolver(PlanningSolver):
     def improve(self, stopped: Optional[Stop] = None) -> Optional[SolveResult]:
         """Search for a better plan with the same actions up to the present step, and adopt it.
 
-        A better plan has fewer steps. Among plans with as many steps, one is better if it has fewer actions, if a
-        robot acts earlier, or if it costs less according to ``#minimize`` statements. The first better plan is returned
-        as another answer to the last update; further calls can find still better plans. Returns None after a stop, if
-        the search is exhausted until the next update, or if the solver computes several answers.
+        A better plan has fewer steps. If it has the same number, it has fewer actions, a robot acts earlier, or it
+        costs less according to ``#minimize`` statements. The first better plan is returned as another answer to the
+        last update; further calls can find still better plans. Returns None after a stop, if the search is exhausted
+        until the next update, or if the solver computes several answers.
         """
         plan = self.log.plan
         if plan is None or plan.shortest or self.models != 1:

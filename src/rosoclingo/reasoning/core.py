@@ -89,7 +89,7 @@ class Core(PersistentPart):
         watch_joining: Optional[SearchWatch] = None,
         record: Optional[Record] = None,
     ) -> None:
-        self._emit, self._announce = observer, Announcer(observer, lambda: self.cycle, program.time_position)
+        self._announce = Announcer(observer, lambda: self.cycle, program.time_position)
         self._problem = self._announce.problem
         self._settings, self._watch_recovery = settings, watch_recovery
         self._planner = Planner(make_solver, settings.horizon_limit, watch, running=lambda: self._execution.running)
@@ -251,7 +251,7 @@ class Core(PersistentPart):
     def _set_mode(self, mode: Mode) -> None:
         if mode is not self._mode:
             self._mode = mode
-            self._emit(ModeChanged(self.cycle, mode))
+            self._announce.emit(ModeChanged(self.cycle, mode))
             self._report_progress()
 
     def _report_progress(self) -> None:
@@ -278,7 +278,7 @@ class Core(PersistentPart):
     def _end(self, actions: Tuple[Action, ...]) -> None:
         """Cancel running actions at their interfaces."""
         if actions:
-            self._emit(ActionsPreempted(self.cycle, actions))
+            self._announce.emit(ActionsPreempted(self.cycle, actions))
 
     def _due(self) -> bool:
         """Return whether to start another cycle: there is input, a search was interrupted, or the plan continues.
@@ -450,7 +450,7 @@ class Core(PersistentPart):
         if self._settings.preempt:
             self._end(self._preemption.end(left_out))
         if actions:
-            self._emit(ActionsDispatched(self._step, actions))
+            self._announce.emit(ActionsDispatched(self._step, actions))
         shown = self.shown
         self._announce.plan(result, shown)
         self._improvable = not result.shortest
@@ -487,7 +487,7 @@ class Core(PersistentPart):
         if found.way is Way.WITHHELD:
             self._problem("cancelling did not help: the requests of the unmet goals are withheld from the solver")
         for one, stream in streams_of(found.unmet, state.no_plan) if state.no_plan is not None else ():
-            self._emit(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
+            self._announce.emit(GoalUnmet(self.cycle, one.goal.key, one.goal.term, stream))
         self._planner = found.planner
         self._step += 1
         self._execution.begin_cycle(self._step)

@@ -221,7 +221,7 @@ class Improvement:
         if plan is not None:
             late = min(WAITS, self._plan.horizon - 1 - plan.horizon) if self._runner.program.actions_go_on else 0
             last = max(self._begin, plan.horizon + late)
-            given = plan.late(self._runner.actions(self._step + 1, last), late)
+            given = plan.excluding_others(self._runner.actions(self._step + 1, last), late)
             yield Question(self._first, last, given, conflicts=conflicts)
 
     @property

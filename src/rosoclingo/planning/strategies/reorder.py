@@ -19,7 +19,6 @@ from random import Random
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
-from clingo import Function, Symbol, SymbolType
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.planning.history import Plan, cycle_of
@@ -37,10 +36,10 @@ OTHERS = 0.1
 FAR = 1_000_000
 """Number of moves to an unreachable place."""
 
-Robot = Tuple[Symbol, ...]
+Robot = Tuple[clingo.Symbol, ...]
 """The arguments of the interfaces of a robot; empty in a plan with one tour."""
 
-Act = Tuple[Symbol, Symbol]
+Act = Tuple[clingo.Symbol, clingo.Symbol]
 """An action without robot and cycle: kind and parameter. A move stands for its place."""
 
 ANYWHERE: Act = (clingo.Infimum, clingo.Infimum)
@@ -50,8 +49,8 @@ Order = List[int]
 """The numbers of tasks."""
 
 
-class Step(NamedTuple):
-    """An action in a tour."""
+class TourAction(NamedTuple):
+    """An action of a tour."""
 
     cycle: int
     robot: Robot
@@ -63,9 +62,9 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
 
     Robots do not wait in it, even if they are in each other's way. The search ends when ``stopped`` returns true.
     """
-    steps = _steps(plan)
-    rest = [one for one in steps if one.cycle > step]
-    past = [one for one in steps if one.cycle <= step]
+    all_actions = _tour_actions(plan)
+    rest = [one for one in all_actions if one.cycle > step]
+    past = [one for one in all_actions if one.cycle <= step]
     tours = Tours(past, rest, both_ways=random.random() < 0.5, idle_robots=random.random() < 0.5)
     if len({(one.cycle, one.robot) for one in rest}) < len(rest) or len(tours.chains) < 2:
         return None
@@ -82,14 +81,18 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
     return Plan(frozenset(actions), end) if end < plan.horizon else None
 
 
-def _steps(plan: Plan) -> List[Step]:
-    """Return the actions of ``plan`` by cycles."""
+def _tour_actions(plan: Plan) -> List[TourAction]:
+    """Return the actions of ``plan``, sorted by cycle."""
     actions = sorted(plan.actions, key=cycle_of)
     several = len(set(map(cycle_of, actions))) < len(actions)
-    if several and all(one.arguments[0].type is SymbolType.Function and one.arguments[0].arguments for one in actions):
+    if several and all(
+        one.arguments[0].type is clingo.SymbolType.Function and one.arguments[0].arguments for one in actions
+    ):
         names = [(cycle_of(one), one.arguments[0], one.arguments[1]) for one in actions]
-        return [Step(cycle, tuple(name.arguments), (Function(name.name), what)) for cycle, name, what in names]
-    return [Step(cycle_of(one), (), (one.arguments[0], one.arguments[1])) for one in actions]
+        return [
+            TourAction(cycle, tuple(name.arguments), (clingo.Function(name.name), what)) for cycle, name, what in names
+        ]
+    return [TourAction(cycle_of(one), (), (one.arguments[0], one.arguments[1])) for one in actions]
 
 
 def _recreated(tours: "Tours", orders: List[Order], random: Random) -> Optional[List[Order]]:
@@ -116,7 +119,9 @@ class Tours:
 
     """
 
-    def __init__(self, past: Sequence[Step], plan: Sequence[Step], both_ways: bool, idle_robots: bool) -> None:
+    def __init__(
+        self, past: Sequence[TourAction], plan: Sequence[TourAction], both_ways: bool, idle_robots: bool
+    ) -> None:
         """Read ``plan``, which follows the ``past``.
 
         If ``both_ways``, connections are symmetric. Robots that act only in the past are used if ``idle_robots``.
@@ -154,7 +159,7 @@ class Tours:
         return act[0] in self._moving
 
     def _find_chains(self) -> None:
-        chains: Dict[Symbol, Order] = {}
+        chains: Dict[clingo.Symbol, Order] = {}
         for task, (_, parameter) in enumerate(self._tasks):
             chains.setdefault(parameter, []).append(task)
         self.chains = [*chains.values()]
@@ -243,7 +248,7 @@ class Tours:
         gaps = [*enumerate(order, 1), *zip(added[-1][1], tasks)]
         return [task for _, task in sorted(gaps, key=itemgetter(0))]
 
-    def actions(self, orders: Sequence[Order], cycle: int) -> List[Symbol]:
+    def actions(self, orders: Sequence[Order], cycle: int) -> List[clingo.Symbol]:
         """Return the actions of ``orders`` from ``cycle`` on."""
         actions = []
         for number, (robot, order) in enumerate(zip(self._robots, orders)):
@@ -252,6 +257,8 @@ class Tours:
             for here, there in zip(stops, stops[1:]):
                 acts += self._ways[self._places[here]][self._places[there]]
                 acts += [self._tasks[there]] if there in self.chain_of else []
-            names = [(Function(kind.name, robot) if robot else kind, what) for kind, what in acts]
-            actions += [Function(ACTION.name, [*act, clingo.Number(late)]) for late, act in enumerate(names, cycle)]
+            names = [(clingo.Function(kind.name, robot) if robot else kind, what) for kind, what in acts]
+            actions += [
+                clingo.Function(ACTION.name, [*act, clingo.Number(late)]) for late, act in enumerate(names, cycle)
+            ]
         return actions

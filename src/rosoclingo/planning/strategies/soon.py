@@ -131,7 +131,7 @@ class FirstPlanSearch:
         last = max(self._least, plan.horizon) + LATER
         if not self._reach(last):
             return UNKNOWN
-        given = plan.late(self._runner.actions(self._runner.step, last), LATER)
+        given = plan.excluding_others(self._runner.actions(self._runner.step, last), LATER)
         return (yield from self._ask(self._least, last, CONFLICTS, given))
 
     def _reach(self, last: int) -> bool:

@@ -40,10 +40,8 @@ class LoggedSolver(ReactiveSolver):
         self.log = self.log.with_entries(AcceptedUpdate(update, self.horizon))
         return result
 
-    @property
-    def atoms(self) -> int:
-        """The number of atoms is not known."""
-        return 0
+    #: The number of atoms in the grounding is not known.
+    atoms = 0
 
     @staticmethod
     def recent(answer: Answer) -> Answer:

@@ -34,10 +34,10 @@ NICENESS = 10
 """Niceness of an explaining process."""
 
 GROWTH = 32 * 2**20
-"""Growth in bytes after which a worker is replaced; as much as it uses if that is more."""
+"""Growth in bytes since the largest grounding after which a worker is replaced, or all that it used then if more."""
 
 LARGER = 1.25
-"""Factor between the numbers of atoms of two groundings from which their memory is not compared."""
+"""A grounding with this many times the atoms of all earlier ones can use more memory."""
 
 REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
@@ -55,7 +55,7 @@ class WorkerMain:
         """Use a loaded ``program``; for the options see :class:`WorkerPool`."""
         self._connection, self._program, self._growth = connection, program, growth
         self._solver = _make_solver(program, **options)
-        self._most_memory, self._most_atoms = 0, -1  # in bytes, and the size of a grounding
+        self._most_memory, self._most_atoms = 0, -1  # the limit in bytes, and the atoms of the largest grounding
         self._start = History()  # the history before the command
         self._interrupted = False
         self._reported = time.monotonic()
@@ -72,9 +72,9 @@ class WorkerMain:
                 self._connection.send(reply._replace(has_grown=has_grown))
 
     def _has_grown(self) -> bool:
-        """Return whether this process uses much more memory than for its largest grounding before.
+        """Return whether this process uses much more memory than after its largest grounding.
 
-        clingo never frees symbols.
+        Its memory grows with each grounding, because clingo never frees symbols.
         """
         memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
         if self._solver.atoms > LARGER * self._most_atoms:
