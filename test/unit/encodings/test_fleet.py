@@ -171,6 +171,21 @@ def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
     assert (fleet.last(2), fleet.world.delivered) == ("succeeded", [2])
 
 
+def _atoms_after_request(*facts):
+    """Return the numbers of ground atoms after these facts about robots on a grid, and after a further request."""
+    solvers = []
+    grid = [(one, one + 1) for one in range(1, 12) if one % 4] + [(one, one + 4) for one in range(1, 9)]
+    fleet = Fleet(grid, {"r1": 1, "r2": 4, "r3": 10}, solver=lambda one: solvers.append(soon(one)) or solvers[-1])
+    fleet.ask(1, 5, 12).ask(2, 2, 7).end("r2")
+    fleet.facts(*facts).ask(3, 3, 9)
+    return max(one.atoms for one in solvers)
+
+
+def test_fleet_plans_with_lost_robots_are_not_much_larger():
+    """The paths around a lost robot are computed once, from the known state, not for each possible one."""
+    assert _atoms_after_request("_lost(r3,now)") < 2 * _atoms_after_request()
+
+
 @pytest.mark.slow
 def test_fleet_continues_with_a_robot_that_is_back():
     fleet = Fleet(RING, {"r1": 1})
