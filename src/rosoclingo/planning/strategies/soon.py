@@ -183,7 +183,7 @@ class FirstPlanSearch:
         reply, advised = UNKNOWN, bool(self._runner.snapshot.running) and self._program.advises
         if advised:
             reply = yield from self._ask_freely(factor)
-        for plan in () if reply.satisfiable else self._rests:
+        for plan in () if reply.satisfiable or reply.hopeless else self._rests:
             given = [(action, True) for action in plan.actions]
             extended = yield from self._ask(self._least, self._end, CONFLICTS, given)
             if extended.satisfiable or extended.hopeless:
