@@ -48,7 +48,6 @@ WAITING = (
     "mailbot_killed",
     "master_restarted",
     "office",
-    "office_killed",
     "operated_pages",
     "recorder",
     "request_lost",

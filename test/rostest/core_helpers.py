@@ -9,7 +9,7 @@ from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from interface_helpers import PATIENCE, Process, executable, wait_for_server, wait_to_hear, wait_until
-from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
+from rosoclingo.msg import GoalState, InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 
 from rosoclingo.common.action_clients import cancel_goal
@@ -114,6 +114,11 @@ class SentGoal:
         self.states.append(handle.get_comm_state())
         if handle.get_comm_state() == CommState.DONE:
             self._done.set()
+
+    def entry(self, goals):
+        """Return its entry in a message of all goals."""
+        key = self.handle.comm_state_machine.action_goal.goal_id
+        return next((one for one in goals.goals if one.id == key), GoalState())
 
     @property
     def has_ended(self):

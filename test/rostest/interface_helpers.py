@@ -2,11 +2,13 @@
 
 import os
 import queue
+import re
 import resource
 import signal
 import subprocess
 import threading
 import time
+import unittest
 import xmlrpc.client
 from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit
@@ -16,11 +18,14 @@ import rospy
 from actionlib.action_server import ActionServer
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
+from rosgraph_msgs.msg import Log
 from rosoclingo.msg import InterfaceIO
 
 from rosoclingo.common.connections import is_delivered_to
+from rosoclingo.common.parameters import ParameterError
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
+from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on the speed or load of the machine
 
@@ -64,6 +69,14 @@ def wait_to_hear(*subscribers, nodes=()):
     wanted, me = [rospy.resolve_name(node) for node in nodes], rospy.get_name()
     for topic in [one.resolved_name for one in subscribers]:
         wait_until(lambda name=topic: is_delivered_to(me, name, wanted), f"the publishers of {topic} to write to us")
+
+
+def heard_log(*nodes):
+    """Return the list of all messages on /rosout from now on, also of these nodes."""
+    lines = []
+    log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=None)
+    wait_to_hear(log, nodes=nodes)
+    return lines
 
 
 def wait_for_server(client):
@@ -132,6 +145,24 @@ class CoreSide:
         """Send one message and wait for the facts that answer it."""
         self.send(interface, *facts)
         return self.receive()
+
+
+def refuses(node, words, **parameters):
+    """Check that a class of nodes refuses these private parameters, with these words."""
+    for name, value in parameters.items():
+        rospy.set_param("~" + name, value)
+    try:
+        with unittest.TestCase().assertRaisesRegex(ParameterError, re.escape(words)):
+            node()
+    finally:
+        for name in parameters:
+            rospy.delete_param("~" + name)
+
+
+def master_answers():
+    """Return whether there is a master at the address of ROS_MASTER_URI."""
+    with suppress(*FAULTS):
+        return api(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
 
 
 def process_of(node):
@@ -261,6 +292,13 @@ class Process:
         """Return exit code and the remaining text."""
         texts = self._process.communicate(timeout=patience)
         return self._process.returncode, texts[self._pipe == "stderr"]
+
+    def refuses(self, words):
+        """Wait until the node ends at its start, and check its message."""
+        code, error = self.wait()
+        assert code == 1, error
+        assert words in error
+        assert "Traceback" not in error
 
     def __enter__(self):
         return self

@@ -13,7 +13,7 @@ import rostest
 import yaml
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
-from rosoclingo.msg import GoalState, GoalStates, ROSoClingoResult, TaskPlan
+from rosoclingo.msg import GoalStates, ROSoClingoResult, TaskPlan
 from std_msgs.msg import UInt32
 
 from rosoclingo.reasoning.goals import Outcome
@@ -71,24 +71,6 @@ class Core(unittest.TestCase):
         self.assertEqual((status, result.outcome), (SUCCEEDED, ROSoClingoResult.SUCCEEDED))
         self.assertIn("is met", result.message)
 
-    def test_two_clients_each_with_its_own_status(self):
-        other = Client()
-        blocking = self.client.send(self.errand())
-        first = self.hands.take()
-        kept, dropped = self.client.send(self.errand("run")), other.send(self.errand("swim"))
-        kept.arrived()
-        dropped.arrived()
-        refused = other.send("do(")
-        self.assertIn("cannot be a goal", refused.ends_as(REJECTED))
-        dropped.cancel()
-        dropped.ends_as(RECALLED)
-        self.hands.succeed(first)
-        second = self.hands.take()
-        self.assertIn("run", second)
-        self.hands.succeed(second)
-        blocking.ends_as(SUCCEEDED)
-        kept.ends_as(SUCCEEDED)
-
     def test_late_interface_receives_run_and_only_actions_under_way(self):
         self.assertRegex(self.hands.runs[0], r'^_run\("[-:T0-9]+-[0-9a-f]{8}"\)$')
         self.hands.at_once = True
@@ -114,39 +96,27 @@ class Core(unittest.TestCase):
     def test_goals_are_latched_as_by_actionlib(self):
         goal = self.client.send(self.errand())
         command = self.hands.take()
-        one = self.entry_of(
-            self.latched("rosoclingo/goals", GoalStates, lambda message: self.entry_of(message, goal).request), goal
-        )
+        one = goal.entry(self.latched(lambda message: goal.entry(message).request))
         self.assertEqual((one.request, one.status, one.reason), (goal.text, GoalStatus.PENDING, ""))
         self.assertEqual((one.since, one.ended), (rospy.Time(), rospy.Time()))
         refused = self.client.send("do(")
         message = refused.ends_as(REJECTED)
         self.hands.succeed(command)
         goal.ends_as(SUCCEEDED)
-        over = self.latched(
-            "rosoclingo/goals", GoalStates, lambda message: self.entry_of(message, goal).status == SUCCEEDED
-        )
-        met = self.entry_of(over, goal)
+        over = self.latched(lambda message: goal.entry(message).status == SUCCEEDED)
+        met = goal.entry(over)
         self.assertEqual((met.id, met.came, met.reason), (one.id, one.came, goal.wait()[1].message))
         self.assertTrue(rospy.Time() < met.came <= met.since <= met.ended)
-        lost = self.entry_of(over, refused)
+        lost = refused.entry(over)
         self.assertEqual((lost.status, lost.reason, lost.since), (REJECTED, message, rospy.Time()))
-        self.assertLess(over.goals.index(self.entry_of(over, goal)), over.goals.index(lost))
+        self.assertLess(over.goals.index(met), over.goals.index(lost))
 
     @staticmethod
-    def latched(topic, kind, fit):
-        """Wait for a latched message that fits: it is published soon after the goals' own news."""
-        found = []
-        wait_until(lambda: found.append(rospy.wait_for_message(topic, kind, PATIENCE)) or fit(found[-1]), topic)
+    def latched(fit):
+        """Wait for a message of all goals that fits: it is published soon after the goals' own news."""
+        topic, found = "rosoclingo/goals", []
+        wait_until(lambda: found.append(rospy.wait_for_message(topic, GoalStates, PATIENCE)) or fit(found[-1]), topic)
         return found[-1]
-
-    @staticmethod
-    def key_of(goal):
-        return goal.handle.comm_state_machine.action_goal.goal_id
-
-    def entry_of(self, goals, goal):
-        """Return the published state of a goal."""
-        return next((one for one in goals.goals if one.id == self.key_of(goal)), GoalState())
 
     def test_request_from_the_command_line_succeeds(self):
         self.hands.at_once = True

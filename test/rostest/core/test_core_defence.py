@@ -9,13 +9,12 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticStatus
-from rosgraph_msgs.msg import Log
 from rosoclingo.msg import InterfaceIO
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import init_node, values_of, wait_for_diagnosis, wait_to_hear, wait_until
+from interface_helpers import heard_log, init_node, values_of, wait_for_diagnosis, wait_to_hear, wait_until
 
 CORE = "rosoclingo: core"
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
@@ -56,9 +55,7 @@ class CoreDefence(unittest.TestCase):
         wait_for_diagnosis(CORE, lambda one: values_of(one)["open goals"] == "0", "the end")
 
     def test_nonsense_is_reported_once_and_counted(self):
-        lines = []
-        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=10000)
-        wait_to_hear(log, nodes=["/rosoclingo"])
+        lines = heard_log("/rosoclingo")
         before = self.problems()
         facts = [f"_unheard({number})" for number in range(300)]
         self.hands.tell(*facts, origin="chatterbox")

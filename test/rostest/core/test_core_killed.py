@@ -11,7 +11,6 @@ import rostest
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticStatus
-from rosgraph_msgs.msg import Log
 from rosoclingo.msg import GoalStates, State
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -20,6 +19,7 @@ from core_helpers import Client, ManualInterfaces
 from interface_helpers import (
     PATIENCE,
     full_disk,
+    heard_log,
     init_node,
     kill,
     process_of,
@@ -41,8 +41,7 @@ class CoreKilled(unittest.TestCase):
     def setUpClass(cls):
         cls.journal = Path(cls.folder) / "journal.db"
         cls.stale = Path(f"{cls.journal}.stale")
-        cls.said = []
-        cls.log = rospy.Subscriber("/rosout", Log, lambda message: cls.said.append(message.msg), queue_size=None)
+        cls.said = heard_log(NODE)
         cls.hands, cls.client = ManualInterfaces(), Client()
 
     def setUp(self):

@@ -10,8 +10,7 @@ import rostest
 from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticStatus
-from rosgraph_msgs.msg import Log
-from rosoclingo.msg import GoalState, GoalStates
+from rosoclingo.msg import GoalStates
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -21,14 +20,13 @@ from interface_helpers import (
     Process,
     Server,
     executable,
+    heard_log,
     init_node,
     values_of,
     wait_for_diagnosis,
-    wait_to_hear,
     wait_until,
 )
 
-ACTIVE = GoalStatus.ACTIVE
 LACKING = "errands/rosoclingo: core"
 MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run, walk"
 
@@ -61,14 +59,10 @@ class CoreWords(unittest.TestCase):
 
     def expect(self, goal, text, state):
         """Wait until the goal's status, its feedback and the topic of all goals agree."""
-        key = goal.handle.comm_state_machine.action_goal.goal_id
-
-        def entry():
-            return next((one for one in self.goals.goals if one.id == key), GoalState())
-
         wait_until(lambda: goal.handle.get_goal_status_text() == text, f"the status to say '{text}'")
         wait_until(lambda: goal.feedback and goal.feedback[-1].status == state, f"the feedback to say '{state}'")
-        wait_until(lambda: (entry().status, entry().reason) == (ACTIVE, text), f"the topic to say '{text}'")
+        wait_until(lambda: goal.entry(self.goals).reason == text, f"the topic to say '{text}'")
+        self.assertEqual(goal.entry(self.goals).status, GoalStatus.ACTIVE)
 
     def test_request_fails_for_a_goal_that_no_rule_sees(self):
         with CommandProcess("request", "gaol(office3,office2,1)", "--wait", "40", ROS_NAMESPACE="/paper") as request:
@@ -85,9 +79,7 @@ class CoreWords(unittest.TestCase):
         self.assertEqual(latches, ["left", "right"], hands.seen)
 
     def test_missing_interface_is_reported_until_it_appears(self):
-        lines, server = [], Server("errands/hold", TestAction)
-        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
-        wait_to_hear(log, nodes=["/errands/rosoclingo"])
+        lines, server = heard_log("/errands/rosoclingo"), Server("errands/hold", TestAction)
         self.wait_for_interfaces("run, walk")
         goal = Client("errands/rosoclingo").send("do(hold,1)")
         status = wait_for_diagnosis(LACKING, lambda one: one.message == MISSING, "the interfaces that exist")

@@ -2,16 +2,13 @@
 """The core's service ~explain: why a goal was aborted, while the core continues."""
 
 import json
-import os
 import re
-import signal
 import subprocess
 import sys
 import threading
 import unittest
 from pathlib import Path
 
-import rosgraph
 import rospy
 import rostest
 import yaml
@@ -21,7 +18,7 @@ from rosoclingo.srv import Explain, ExplainResponse
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces
-from interface_helpers import PATIENCE, init_node, process_of, wait_until
+from interface_helpers import PATIENCE, init_node, kill
 
 
 class ExplainGoals(unittest.TestCase):
@@ -79,24 +76,11 @@ class ExplainGoals(unittest.TestCase):
         self.assertFalse(known.success)
         self.assertIn("aborted goals: goal(office1,office4,7)", known.message)
 
-        self.kill()
+        kill("/rosoclingo")
+        rospy.wait_for_service("/rosoclingo/explain", PATIENCE)
         again = self.asked(lambda: self.explain(goal.handle.comm_state_machine.action_goal.goal_id.id))
         self.assertTrue(again.success, again.message)
         self.assertEqual(json.loads(again.reason)["stream_facts"], reason["stream_facts"])
-
-    @staticmethod
-    def service():
-        """Return the address of the service, None without one."""
-        try:
-            return rosgraph.Master("/explain_test").lookupService("/rosoclingo/explain")
-        except rosgraph.MasterException:
-            return None
-
-    def kill(self):
-        """Kill the core and wait for the service of the next one."""
-        before = self.service()
-        os.kill(process_of("/rosoclingo"), signal.SIGKILL)
-        wait_until(lambda: self.service() not in {None, before}, "the next core")
 
 
 if __name__ == "__main__":

@@ -18,10 +18,8 @@ from actionlib_msgs.msg import GoalStatus
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates
-from interface_helpers import executable, init_node, wait_until
+from interface_helpers import executable, init_node, master_answers, wait_until
 from network import Network, NotPermittedError
-
-from rosoclingo.common.xmlrpc_api import FAULTS, api
 
 HERE = Path(__file__).resolve()
 PROGRAM = HERE.parents[2] / "data" / "robots.lp"
@@ -65,7 +63,7 @@ class Hosts(unittest.TestCase):
 
     def start_core(self, resume="no"):
         self.start("master", 1, "rosmaster", "--core", "-p", PORT, "-t", "5")
-        wait_until(self.master_answers, "the master")
+        wait_until(master_answers, "the master")
         parameters = {
             "program_files": f"[{PROGRAM}]",
             "journal": self.folder / "journal",
@@ -74,11 +72,6 @@ class Hosts(unittest.TestCase):
             "lost_timeout": LOST_TIMEOUT,
         }
         self.start("core", 1, executable("core"), *(f"_{key}:={value}" for key, value in parameters.items()))
-
-    @staticmethod
-    def master_answers():
-        with suppress(*FAULTS):
-            return api(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
 
     def start_robot(self, robot):
         host, log = ROBOTS[robot], self.folder / f"{robot}.goals"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Kill core and interfaces during actions: each package is at the right place, and no action runs twice.
+"""Kill core, interfaces and office during actions: each package is at the right place, and no action runs twice.
 
 ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS the number of kills.
 """
@@ -31,6 +31,7 @@ SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual 
 OFFICES = ("office1", "office2", "office3", "office4")
 INTERFACES = {"pickup": "pickup_interface", "deliver": "deliver_interface", "move_base": "move_base_interface"}
 ALL, NODE = tuple(INTERFACES.values()), "rosoclingo"
+HANDLING = ("pickup", "deliver")  # the servers of the office
 
 
 class Base:
@@ -144,11 +145,13 @@ class MailbotKilled(unittest.TestCase):
         return not [goal for goal, *_ in self.goals if not goal.has_arrived()]  # each is examined
 
     def kill_at(self, number):
-        """Kill interfaces, alone or with the core, when a server has begun an action or at any instant."""
+        """Kill interfaces, alone or with core or office, when a server has begun an action or at any instant."""
         server = (*INTERFACES, None)[number % 4]
         own = [INTERFACES[server]] if server else self.source.sample(ALL, 1)
         core_too = (number + number // 4) % 2
         victims = [NODE, *self.source.choice([[], own, ALL])] if core_too else self.source.choice([own, ALL])
+        if server in HANDLING and INTERFACES[server] in victims and number % 8 < 4:
+            victims = [*victims, "office"]
         before = server and self.world.begun(server)
         self.send()
         if server:

@@ -22,7 +22,6 @@ from actionlib.msg import (
 from actionlib_msgs.msg import GoalStatusArray
 from clingo import Function, Number
 from diagnostic_msgs.msg import DiagnosticStatus
-from rosgraph_msgs.msg import Log
 from rospy.topics import _PublisherImpl
 
 from rosoclingo.common.worker import Worker
@@ -40,10 +39,10 @@ from interface_helpers import (
     Process,
     Server,
     executable,
+    heard_log,
     init_node,
     values_of,
     wait_for_diagnosis,
-    wait_to_hear,
     wait_until,
 )
 
@@ -128,14 +127,13 @@ class ConfiguredInterfaces(unittest.TestCase):
 
     def test_goal_waits_until_its_result_can_be_received(self):
         """rospy counts a connection at its reading end first: results sent before the server knows it are lost."""
-        counts, add, lines = threading.Event(), _PublisherImpl.add_connection, []
+        counts, add, lines = threading.Event(), _PublisherImpl.add_connection, heard_log("interface")
 
         def late(topic, connection):
             if topic.name == "/late/result":
                 counts.wait(PATIENCE)
             return add(topic, connection)
 
-        wait_to_hear(rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg)), nodes=["interface"])
         with mock.patch.object(_PublisherImpl, "add_connection", late):
             server = Server("late", TestAction)
             self.core.send("late", "_action_lib(late,a,1)")
@@ -211,13 +209,12 @@ class SubclassedInterface(unittest.TestCase):
         worker.stop()
 
     def test_subclass_fault_affects_only_its_actions(self):
-        core, server, worker, lines = CoreSide(), Server("trader", TwoIntsAction), Worker(), []
-        log = rospy.Subscriber("/rosout", Log, lambda one: lines.append(one.msg), queue_size=1000)
+        core, server, worker = CoreSide(), Server("trader", TwoIntsAction), Worker()
         SumInterface("odd", TwoIntsAction, "trader", ActionLimits(timeout="soon"), worker=worker)
         SumInterface("trade", TwoIntsAction, "trader", worker=worker)
         worker.start()
         core.wait_for(rospy.get_name())
-        wait_to_hear(log)
+        lines = heard_log(rospy.get_name())
         core.send("trade", "_action_lib(trade,two(3,4),1)")
         handle = server.accept()
         core.send("odd", "_action_lib(odd,two(1,1),1)", "_action_lib(odd,two(2,2),1)")

@@ -11,14 +11,13 @@ from rosoclingo.msg import GoalState, GoalStates, PackageState, PackageStates, S
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.rviz.markers import MarkersNode
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from documented_names import check_names
-from interface_helpers import init_node, wait_until
+from interface_helpers import init_node, refuses, wait_until
 
 
 class Markers(unittest.TestCase):
@@ -74,11 +73,7 @@ class Markers(unittest.TestCase):
     def test_unusable_parameters_are_refused(self):
         rospy.set_param("~labels", {"a": [1, 2]})
         for name, value in (("panel", [1]), ("panel", 3), ("robot_radius", "wide")):
-            rospy.set_param("~" + name, value)
-            with self.assertRaises(ParameterError) as caught:
-                MarkersNode()
-            self.assertIn(name, str(caught.exception))
-            rospy.delete_param("~" + name)
+            refuses(MarkersNode, name, **{name: value})
 
 
 if __name__ == "__main__":

@@ -8,18 +8,16 @@ import socket
 import subprocess
 import sys
 import unittest
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from unittest import mock
 
 import rosgraph
 import rostest
 
-from rosoclingo.common.xmlrpc_api import FAULTS, api
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, CommandProcess, Process, executable, wait_until
+from interface_helpers import PATIENCE, CommandProcess, Process, executable, master_answers, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 ERRANDS = ROOT / "test" / "data" / "errands.lp"
@@ -47,11 +45,7 @@ class MasterRestarted(unittest.TestCase):
 
     def start_master(self):
         self.master = self.stack.enter_context(Process("rosmaster", "--core", "-p", self.port))
-        wait_until(self.answers, "the master")
-
-    def answers(self):
-        with suppress(*FAULTS):
-            return api(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
+        wait_until(master_answers, "the master")
 
     def run_node(self, script, *arguments):
         self.stack.enter_context(Process(executable(script), *arguments))

@@ -2,8 +2,6 @@
 """The live page with a real core: the goals in a browser, also after the core was killed and restarted."""
 
 import math
-import os
-import signal
 import sys
 import unittest
 from contextlib import ExitStack
@@ -18,16 +16,14 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.connections import is_delivered_to
-from rosoclingo.common.parameters import ParameterError
 from rosoclingo.nodes.pages.web_node import WebNode
-from rosoclingo.runs.events import SAID
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import browser
 from core_helpers import Client, ManualInterfaces
-from interface_helpers import Process, executable, init_node, process_of, wait_for_server, wait_until
+from interface_helpers import init_node, kill, refuses, wait_for_server, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -86,7 +82,7 @@ class WebPage(unittest.TestCase):
         self.hands.at_once = False
         self.client.send("goal(office3,office4,1)").arrived()
         self.goals("done,rejected,under way")
-        self.kill_core()
+        kill("/rosoclingo")
         self.goals("done,rejected,lost")
         self.connected()
         self.hands.at_once = True
@@ -121,31 +117,6 @@ class WebPage(unittest.TestCase):
         wait_until(lambda: scans.get_num_connections() == 0, "the page's node to unsubscribe")
         self.assertEqual(self.page.faults, [])
 
-    def test_late_page_has_the_open_goals(self):
-        self.hands.at_once = False
-        goal = self.client.send("goal(office1,office2,60)")
-        self.state_of("goal(office1,office2,60)", "active")
-        with Process(executable("web"), "_port:=0", "__name:=late_page"):
-            self.page.open(rospy.wait_for_message("late_page/address", String).data)
-            self.state_of("goal(office1,office2,60)", "active")
-            self.hands.at_once = True
-            self.hands.clear()
-            goal.ends_as(GoalStatus.SUCCEEDED)
-            self.state_of("goal(office1,office2,60)", "succeeded")
-        self.assertEqual(self.page.faults, [])
-
-    def state_of(self, goal, state):
-        self.page.wait_for(self.shown(goal, state))
-
-    def shown(self, goal, state):
-        row = f"[...document.querySelectorAll('#goals tr')].find((one) => one.textContent.includes('{goal}'))"
-        return f"({row} || {{textContent: ''}}).textContent.includes('{SAID[state]}')"
-
-    def kill_core(self):
-        runs = len(self.hands.runs)
-        os.kill(process_of("/rosoclingo"), signal.SIGKILL)
-        wait_until(lambda: len(self.hands.runs) > runs, "the core to be there again")
-
     def test_unusable_settings_are_reported(self):
         port = int(self.address.rstrip("/").rpartition(":")[2])
         for name, value, reported in (
@@ -153,11 +124,7 @@ class WebPage(unittest.TestCase):
             ("port", 99999, "port"),
             ("host", 7, "host"),
         ):
-            rospy.set_param("~" + name, value)
-            with self.assertRaises(ParameterError) as caught:
-                WebNode()
-            self.assertIn(reported, str(caught.exception))
-            rospy.delete_param("~" + name)
+            refuses(WebNode, reported, **{name: value})
 
 
 if __name__ == "__main__":

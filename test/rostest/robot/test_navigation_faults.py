@@ -105,38 +105,13 @@ class NavigationFaults(unittest.TestCase):
         self.assertLess(abs(self.driver.distance(x, y) - 0.5), 0.25)
 
     def test_unusable_goals_are_aborted_with_reason(self):
-        no_rotation = pose_goal(5.9, 0.0)
-        no_rotation.target_pose.pose.orientation.w = 0.0
-        for goal, words in (
-            (pose_goal(7.93, 3.0), "the goal is in an obstacle of the map"),
-            (pose_goal(100.0, 0.0), "off the map"),
-            (pose_goal(1.0, 0.0, frame="moon"), "moon"),
-            (no_rotation, "invalid quaternion"),
+        for x, y, frame, words in (
+            (7.93, 3.0, "map", "the goal is in an obstacle of the map"),
+            (1.0, 0.0, "moon", "moon"),
         ):
-            self.driver.send(goal)
-            status, text = self.driver.end()
+            status, text = self.driver.drive(x, y, frame=frame)
             self.assertEqual(status, ABORTED)
             self.assertIn(words, text)
-
-    def test_robot_takes_detour_when_door_closes_on_its_way(self):
-        self.driver.send(pose_goal(9.9, 0.0))
-        self.driver.wait(lambda: self.driver.pose[0] > 4.0)
-        self.assertTrue(self.door("corridor", False).success)
-        south = []
-        self.driver.wait(lambda: south.append(self.driver.pose[1]) or min(south) < -1.3)
-        self.assertEqual(self.driver.end()[0], SUCCEEDED)
-        self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
-
-    def test_closed_doors_end_with_reason_until_reopened(self):
-        self.door("corridor", False)
-        self.door("meeting_west", False)
-        before = len(self.recoveries)
-        status, text = self.driver.drive(9.9, 0.0)
-        self.assertEqual(status, ABORTED)
-        self.assertIn("blocked by something that is not on the map", text)
-        self.assertGreater(len(self.recoveries), before)
-        self.door("corridor", True)
-        self.assertEqual(self.driver.drive(9.9, 0.0)[0], SUCCEEDED)
 
     def test_lost_laser_stops_robot_and_ends_goal(self):
         self.lose("base_scan", "laser is lost")

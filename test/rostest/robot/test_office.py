@@ -20,13 +20,12 @@ from rosoclingo.msg import (
 )
 from rosoclingo.srv import PutPackage
 
-from rosoclingo.common.parameters import ParameterError
 from rosoclingo.robot.nodes.office import OfficeNode
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from documented_names import check_names
-from interface_helpers import Process, executable, init_node, wait_for_server, wait_until
+from interface_helpers import Process, executable, init_node, refuses, wait_for_server, wait_until
 
 
 class Robot:
@@ -145,13 +144,7 @@ class Office(unittest.TestCase):
             ("~base_frame: must be a text, not 3", {"base_frame": 3}),
         ):
             values = {"labels": {"b": [1, 2]}, **parameters} if parameters else {}
-            for name, value in values.items():
-                rospy.set_param("~" + name, value)
-            with self.assertRaises(ParameterError) as caught:
-                OfficeNode()
-            self.assertIn(fault, str(caught.exception))
-            for name in values:
-                rospy.delete_param("~" + name)
+            refuses(OfficeNode, fault, **values)
 
 
 if __name__ == "__main__":
