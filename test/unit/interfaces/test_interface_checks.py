@@ -7,7 +7,6 @@ from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Bool, Float64MultiArray, UInt8MultiArray
 
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.interfaces.message_filling import field_faults
 from rosoclingo.interfaces.templates import ActionScope
 from rosoclingo.interfaces.world import holds
 
@@ -50,14 +49,3 @@ def test_check_compares_numbers_texts_and_patterns():
     assert holds(UInt8MultiArray(data=bytes([3, 7])), {"data": "$parameter"}, scope(Number(7)))
     assert holds(Bool(data=True), {"data": True}, scope(Number(1)))
     assert not holds(Bool(data=False), {"data": True}, scope(Number(1)))
-
-
-def test_check_faults_name_their_places():
-    wanted = {"status": {"name": "1", "massage": True, "level": "/[12]/"}, "header": 3, "parcels": "$1"}
-    fields = "level, name, message, hardware_id, values"
-    assert field_faults(DiagnosticArray(), wanted, "pickup.done.when") == [
-        f"pickup.done.when.status.massage: diagnostic_msgs/DiagnosticStatus has no such field; it has {fields}",
-        "pickup.done.when.header: std_msgs/Header cannot be filled from 3: write a mapping of its fields",
-        "pickup.done.when.parcels: diagnostic_msgs/DiagnosticArray has no such field; it has header, status",
-    ]
-    assert not field_faults(DiagnosticArray(), CARRIED, "x")

@@ -16,6 +16,7 @@ from rosoclingo.interfaces.attempt import (
     Phase,
 )
 from rosoclingo.interfaces.facts import Sender
+from rosoclingo.interfaces.templates import GoalEnd
 from rosoclingo.reasoning.keywords import Action
 
 LIMITS = ActionLimits(timeout=10.0, server_timeout=5.0)
@@ -140,16 +141,12 @@ def test_goal_run_waits_for_starting_server_with_one_report():
     assert run.verdict == "server_lost", "it never starts"
 
 
-def test_goal_run_timeout_counts_from_sending_and_ends_run():
+def test_goal_run_timeout_counts_from_sending():
     run = run_in(Phase.SENT)
     run.process(ActionEvent.ACKNOWLEDGED, later(9.0, 1.0))
     assert run.tick(later(10.0, 1.0)) is Effect.CANCEL
-    assert not run.cancel_ignored
-    assert run.tick(later(14.9, 6.1)) is Effect.NOTHING
     assert run.tick(later(15.0, 6.1)) is Effect.FINISH
-    assert run.verdict == "server_lost"
-    assert run.cancel_ignored
-    assert run.done
+    assert (run.verdict, run.cancel_ignored) == ("server_lost", True)
 
 
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
@@ -178,3 +175,46 @@ def test_goal_run_ends_exactly_once(arrivals):
     run.tick(Instant(now.ros + 100, now.wall + 100))
     run.tick(Instant(now.ros + 200, now.wall + 200))
     assert run.done
+
+
+# ---- further goals for an action ------------------------------------------------------------------------------------
+
+SLIPPED, FAILED = GoalEnd("aborted", "slipped"), (Function("failed"), ("failed",))
+
+
+def ended(end, *events, cancelled=False):
+    """Return an action whose goal has been sent, and has ended after these events."""
+    run = run_in(Phase.RUNNING, LIMITS._replace(retries=1))
+    run.cancelled = cancelled
+    run.ended = end
+    for event in events:
+        run.process(event, START)
+    return run
+
+
+def test_goal_run_cancelled_between_goals_keeps_first_end():
+    first = ended(SLIPPED, ActionEvent.ENDED)
+    assert first.should_retry(first.conclusion, *FAILED)
+    second = first.next_attempt(first.conclusion, START)
+    second.process(ActionEvent.CANCEL, START)
+    assert second.conclusion == SLIPPED
+
+
+def test_goal_run_of_unwanted_or_stubborn_action_is_not_sent_again():
+    for run in (
+        ended(SLIPPED, ActionEvent.ENDED, cancelled=True),
+        ended(None, ActionEvent.CANCEL, ActionEvent.EXPIRED),
+    ):
+        assert not run.should_retry(run.conclusion, *FAILED)
+
+
+@pytest.mark.parametrize("events", [[], [*WAYS[Phase.RUNNING], ActionEvent.CANCEL, ActionEvent.PREEMPTED]])
+def test_goal_run_with_uncertain_earlier_goal_is_not_preempted(events):
+    first = ended(None, ActionEvent.SERVER_LOST)
+    first.uncertain = True
+    second = first.next_attempt(first.conclusion, START)
+    assert second.limits.retries == 0
+    second.ended = GoalEnd("preempted") if events else None
+    for event in events or [ActionEvent.CANCEL]:
+        second.process(event, START)
+    assert second.conclusion.status == "server_lost"

@@ -120,11 +120,8 @@ bad(t) :- _action_lib(A,P,t), _return(A,V,t), V != P.
 @pytest.mark.parametrize(
     "relation",
     [
-        "possible(move_base,R) :- room(R). possible(cool,lamp).",
-        "can(R,move_base) :- room(R). can(lamp,cool). possible(A,P) :- can(P,A).",
         "act(move_base,drives). act(cool,lamps). what(drives,R) :- room(R). what(lamps,lamp). "
         "possible(A,P) :- act(A,K), what(K,P).",
-        "can((R,move_base),1) :- room(R). can((lamp,cool),2). possible(A,P) :- can((P,A),N), N > 0.",
         "possible((move_base;stay),R) :- room(R). possible(cool,(lamp;fridge)).",
     ],
 )
