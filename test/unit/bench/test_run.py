@@ -81,21 +81,6 @@ def test_bench_run_uses_own_bench_if_commits_differ(repository, capfd):
     assert capfd.readouterr().err.splitlines() == ["bench: speed: here", f"bench: speed: {commit[:8]}"] * 3
 
 
-NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
-
-
-@pytest.mark.slow
-def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
-    commit = repository.commit(3)
-    repository.bench("a value", NEEDS_NEW)
-    repository.write("src/new.py", "")
-    assert compare(repository, commit) == [("a value", (3.0,) * 3, ())]
-    said = capfd.readouterr().err
-    assert f"speed: not available in {commit[:8]}" in said
-    assert "No module named 'new'" in said
-    assert said.count(f"speed: {commit[:8]}") == 1, "it was tried again"
-
-
 def test_bench_run_reports_commit_that_cannot_be_built(repository):
     repository.write("dev", "#!/bin/sh\nexit 1\n").chmod(0o755)
     repository.bench("a value")
@@ -106,19 +91,6 @@ def test_bench_run_reports_commit_that_cannot_be_built(repository):
 def runner(*arguments):
     command = [sys.executable, str(ROOT / "bench" / "run.py"), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300)
-
-
-@pytest.mark.slow
-def test_bench_run_prints_a_table(repository, tmp_path, monkeypatch, capsys):
-    repository.bench("a value")
-    repository.commit(3)
-    monkeypatch.setattr(run, "BENCHES", ["speed"])
-    monkeypatch.setattr(sys, "argv", ["run.py", "--work", str(tmp_path)])
-    assert run.main() == 0
-    head, row, _load = capsys.readouterr().out.splitlines()
-    assert head.split() == ["bench", "figure", "unit", "best", "median"]
-    assert row.split() == ["speed", "a", "value", "ms", "3", "3"]
-    assert not list((tmp_path / "bench").iterdir()), "logs of successful runs are removed"
 
 
 @pytest.mark.parametrize("name", run.BENCHES)
