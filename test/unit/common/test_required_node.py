@@ -98,23 +98,20 @@ def test_required_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypa
     assert ended == THE_END
 
 
-@pytest.mark.parametrize("error", [SystemExit(0), SystemExit(None), KeyboardInterrupt()])
-def test_required_node_that_did_not_fail_ends_nothing(serving, ended, monkeypatch, error):
-    master(serving, monkeypatch, roslaunch(serving, **own()))
+@pytest.mark.parametrize(
+    ("error", "changes", "required"),
+    [
+        *((error, {}, True) for error in (SystemExit(0), SystemExit(None), KeyboardInterrupt())),
+        (StartError(), {"respawn": False}, True),
+        (StartError(), {"pid": 1}, True),
+        (StartError(), {}, "yes"),
+    ],
+)
+def test_required_node_leaves_other_roslaunches_alone(serving, ended, monkeypatch, error, changes, required):
+    """It did not fail, is not restarted, or belongs to no roslaunch or one that does not need it."""
+    master(serving, monkeypatch, roslaunch(serving, **own(**changes)), **{f"{NODE}/required": required})
     with pytest.raises(type(error)), RequiredNode():
         raise error
-    assert ended == []
-
-
-@pytest.mark.parametrize(
-    ("changes", "required"),
-    [({"respawn": False}, True), ({"pid": 1}, True), ({}, "yes")],
-    ids=["no", "other", "optional"],
-)
-def test_required_node_without_respawn_leaves_roslaunch_alone(serving, ended, monkeypatch, changes, required):
-    master(serving, monkeypatch, roslaunch(serving, **own(**changes)), **{f"{NODE}/required": required})
-    with pytest.raises(StartError), RequiredNode():
-        raise StartError
     assert ended == []
 
 

@@ -146,10 +146,11 @@ def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write, run,
     way.poses[2].pose.position.x = 2.0
     truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
     tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
-    report(write([*run(), *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
+    first = (2.5, "/amcl_pose", odometry(0.0, 0.5))
+    report(write([*run(), first, *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
     assert shown(tmp_path / "run.html")["paths"] == [[0, {"time": 1.0, "points": [[0.0, 0.0], [2.0, 0.0]]}]]
     poses = [one for _, one in shown(tmp_path / "run.html")["poses"]]
-    assert poses[0] == {"time": 1.0, "robot": "", "pose": [0.0, 0.0, 0.5], "metres": 0.0}
+    assert poses[0] == {"time": 0.5, "robot": "", "pose": [0.0, 0.0, 0.5], "metres": 0.0}
     assert 5 <= len(poses) <= 11, "ten a second"
     assert max(one["pose"][0] for one in poses) < 6.0
 

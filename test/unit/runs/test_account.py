@@ -110,10 +110,21 @@ def test_account_has_a_summary(account):
     assert account.seconds == pytest.approx(1.1)
 
 
+def test_account_names_place_of_robot_by_a_label(account):
+    account.pose(1.0, 1.1, 2.1, 0.0)
+    labels = {"office2": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
+    account.program(1.1, RunProgram("r", (), {}, "", {"labels": labels}).text())
+    account.beliefs(1.2, 1, ["at(hall,now)"])
+    assert account.places.robot == "office2", "a measured position has priority"
+    account.pose(1.3, 3.0, 3.0, 0.0)
+    assert account.places.robot == "away from every label"
+
+
 def test_account_lists_differences(account):
     run(account)
     account.packages(12.1, [("1", "office2")])
     assert account.differences({}) == []
+    assert account.differences({"actions": ["_action_lib(move_base,office2,0)"]}, before=1) == []
     assert account.differences({"goals": ["active"], "robot": "", "packages": {"1": "office2"}}) == []
     found = account.differences({"goals": ["succeeded"], "packages": {"1": "office1"}, "actions": []})
     assert [difference.split(":")[0] for difference in found] == ["goals", "packages", "actions"]

@@ -58,13 +58,6 @@ def test_floor_label_on_the_way_stands_between(hall):
     ).connections
 
 
-def test_floor_distance_goes_round_walls(hall):
-    places = table(above=(5.5, 5.0), beyond=(6.5, 5.0))
-    shortest = floor_of(Costmap(hall.grid, CostmapLimits(inflation_radius=0.0)), places).distances["above", "beyond"]
-    assert 3.3 < shortest < 4.5, "by the door, and not the metre through the wall"
-    assert shortest < floor_of(hall, places).distances["above", "beyond"] < 5.0, "navfn keeps away from the walls"
-
-
 def test_floor_refuses_a_negative_radius():
     with pytest.raises(FloorError, match=r"robot_radius is .*must be a number of at least 0"):
         floor_program(*map(str, OFFICE), CostmapLimits(robot_radius=-0.1))

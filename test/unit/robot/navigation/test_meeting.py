@@ -12,54 +12,34 @@ from rosoclingo.robot.navigation.brake import brake
 from rosoclingo.robot.simulation import LaserSpec, RobotSpec, Simulation, WorldSpec
 
 OFFICE = Path(__file__).resolve().parents[4] / "worlds" / "office.yaml"
-HERE = Pose2D(0.0, 0.0)
 SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
-
-
-@pytest.mark.parametrize(
-    ("velocity", "point", "expected"),
-    [
-        ((0.6, 0.0), (0.7, 0.0), (0.36, 0.0)),  # slower is far enough
-        ((0.6, 0.5), (0.3, 0.0), (0.0, 0.5)),  # it is free to turn
-        ((0.6, 0.0), (-0.1, 0.0), (0.6, 0.0)),  # away from obstacles that are too near already
-    ],
-)
-def test_meeting_disc_brakes(velocity, point, expected):
-    assert brake(Velocity(*velocity), HERE, np.array([point]), 0.2) == pytest.approx(expected)
 
 
 BAR = ((0.4, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.4, -0.1))
 
 
 @pytest.mark.parametrize(
-    ("rate", "point", "stops"),
+    ("velocity", "point", "radius", "footprint", "expected"),
     [
-        (1.0, (0.35, 0.15), True),  # a front corner would pass there
-        (-1.0, (0.35, 0.15), False),  # turns away from it
-        (1.0, (-0.17, -0.14), True),  # a rear corner
-        (1.0, (0.3, 0.0), False),  # the robot stands on it already
+        # a disc
+        ((0.6, 0.0), (0.7, 0.0), 0.2, (), (0.36, 0.0)),  # slower is far enough
+        ((0.6, 0.5), (0.3, 0.0), 0.2, (), (0.0, 0.5)),  # it is free to turn
+        ((0.6, 0.0), (-0.1, 0.0), 0.2, (), (0.6, 0.0)),  # away from obstacles that are too near already
+        # a footprint turns only with free corners
+        ((0.6, 0.5), (0.3, 0.0), 0.2, SQUARE, (0.0, 0.5)),
+        ((0.6, 0.5), (0.22, -0.15), 0.2, SQUARE, (0.0, 0.0)),
+        ((-0.05, 1.0), (-0.17, -0.14), 0.1, BAR, (0.0, 0.0)),  # backing away swings a corner
+        ((-0.1, 0.0), (0.35, 0.15), 0.1, BAR, (-0.1, 0.0)),
+        ((0.0, 1.0), (0.35, 0.15), 0.1, BAR, (0.0, 0.0)),  # on the spot, a front corner would pass there
+        ((0.0, -1.0), (0.35, 0.15), 0.1, BAR, (0.0, -1.0)),  # turns away from it
+        ((0.0, 1.0), (-0.17, -0.14), 0.1, BAR, (0.0, 0.0)),  # a rear corner
+        ((0.0, 1.0), (0.3, 0.0), 0.1, BAR, (0.0, 1.0)),  # the robot stands on it already
     ],
 )
-@pytest.mark.parametrize("yaw", [0.0, 2.0])
-def test_meeting_footprint_sweeps_nothing_when_turning_on_spot(rate, point, stops, yaw):
-    pose = Pose2D(1.0, -2.0, yaw)
-    at = np.array([pose.compose(Pose2D(*point))[:2]])
-    assert brake(Velocity(0.0, rate), pose, at, 0.1, BAR) == (Velocity() if stops else Velocity(0.0, rate))
-
-
-@pytest.mark.parametrize(
-    ("velocity", "points", "radius", "footprint", "expected"),
-    [
-        ((0.6, 0.5), [(0.3, 0.0)], 0.2, SQUARE, (0.0, 0.5)),  # the corners are free
-        ((0.6, 0.5), [(0.22, -0.15)], 0.2, SQUARE, (0.0, 0.0)),
-        # backing away swings a corner
-        ((-0.05, 1.0), [(-0.17, -0.14)], 0.1, BAR, (0.0, 0.0)),
-        ((-0.1, 0.0), [(0.35, 0.15)], 0.1, BAR, (-0.1, 0.0)),
-    ],
-)
-def test_meeting_footprint_turns_only_with_free_corners(velocity, points, radius, footprint, expected):
-    found = brake(Velocity(*velocity), HERE, np.array(points).reshape(-1, 2), radius, footprint)
-    assert found == Velocity(*expected)
+@pytest.mark.parametrize("pose", [Pose2D(0.0, 0.0), Pose2D(1.0, -2.0, 2.0)])
+def test_meeting_brakes_for_points_of_the_scan(velocity, point, radius, footprint, expected, pose):
+    points = np.array([pose.compose(Pose2D(*point))[:2]])
+    assert brake(Velocity(*velocity), pose, points, radius, footprint) == pytest.approx(expected)
 
 
 def test_meeting_unmarked_points_are_unexplained_by_map_and_marks():

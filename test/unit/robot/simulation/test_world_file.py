@@ -82,7 +82,7 @@ def test_world_file_is_read_completely(world):
         ({"robots": [{"pose": [1, 1], "laser": {"min_range": 9}}]}, r"robots\[0\].laser.min_range: must be less than"),
         ({"robots": [{"pose": [1, 1], "laser": {}, "lasers": []}]}, r"robots\[0\].lasers: .* not both"),
         ({"obstacles": [{"name": "o", "at": [1, 1], "box": [1, -1]}]}, r"obstacles\[0\]: the width and depth"),
-        ({"extra": 1}, "unknown key 'extra'; keys are map, robots"),
+        ({"seed": -1, "robots": [{"pos": [1, 1]}]}, r"(?s)unknown key 'pos' \(did you mean pose.*seed: must be"),
         ({"robots": [{"pose": [1, 9]}]}, r"robots\[0\].pose: \(1, 9\) is off the map, which covers x 0 .. 4, y 0 .. 4"),
         ({"doors": [{"name": "d", "from": [-1, 0], "to": [1, 0]}]}, r"doors\[0\].from: \(-1, 0\) is off the map"),
         ({"doors": [{"name": "d", "from": [1, 0], "to": [1, 0]}]}, r"doors\[0\]: has the length 0"),
@@ -95,22 +95,8 @@ def test_world_file_refusal_names_its_fault(world, changes, words):
     assert "world.yaml" in str(caught.value)
 
 
-def test_world_file_reports_all_faults_at_once(world, tmp_path):
-    with pytest.raises(WorldError, match="cannot be read"):
-        load_world(tmp_path / "nowhere.yaml")
-    assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40), "another map"
-    path = world(map="nowhere.yaml", seed=-1, robots=[{"pos": [1, 1]}, {"pose": [1, 1], "laser": {"beems": 3}}])
-    with pytest.raises(WorldError) as caught:
-        load_world(path)
-    faults = [line.replace(f"world {path}: ", "") for line in str(caught.value).splitlines()]
-    assert [fault.split(": ")[0] for fault in faults] == [
-        "map",
-        "robots[0].pose",
-        "robots[0]",
-        "robots[1].laser",
-        "seed",
-    ]
-    assert faults[2].startswith("robots[0]: unknown key 'pos' (did you mean pose?); keys are ")
+def test_world_file_can_have_another_map(world, tmp_path):
+    assert load_world(world(map="nowhere.yaml"), str(tmp_path / "map.yaml")).grid.shape == (40, 40)
 
 
 @pytest.mark.parametrize(
