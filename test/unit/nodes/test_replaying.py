@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from core_driver import Driver, soon
-from journal_runs import changed, play
+from journal_runs import changed
 from shipped import shipped
 
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
@@ -40,9 +40,8 @@ def replay():
 
 
 @pytest.fixture
-def write(messages, tmp_path, driver):
+def write(messages, write_bag, driver):
     """Write a bag of the run, without ``left_out`` topics, of cores in some namespaces."""
-    import rosbag
     from std_msgs.msg import String
 
     def to_messages(event):
@@ -56,16 +55,13 @@ def write(messages, tmp_path, driver):
             yield "out_rosoclingo", messages.InterfaceIO("all", facts)
 
     def write(left_out=(), spaces=("/",), change=lambda topic, message: message):
-        path = tmp_path / "run.bag"
         program = RunProgram.of("run", driver.program, {"plan": "soon", "plan_time": 1.0})
-        with rosbag.Bag(str(path), "w") as bag:
-            for space in spaces:
-                said = [("rosoclingo/program", String(program.text()))]
-                said += [one for event in driver.journal.events for one in to_messages(event)]
-                for topic, message in said:
-                    if topic not in left_out:
-                        bag.write(space + topic, change(topic, message))
-        return path
+        said = []
+        for space in spaces:
+            own = [("rosoclingo/program", String(program.text()))]
+            own += [one for event in driver.journal.events for one in to_messages(event)]
+            said += [(space + topic, change(topic, message)) for topic, message in own if topic not in left_out]
+        return write_bag((0.1 * number, *one) for number, one in enumerate(said, 1))
 
     return write
 
@@ -173,14 +169,6 @@ def test_replay_accepts_a_truncated_bag(replay, write, capsys, size):
     assert "none.bag cannot be read: No such file" in capsys.readouterr().err
     assert replay(path.parent)[0] == 2
     assert f"{NAME}: No such file" in capsys.readouterr().err
-
-
-@pytest.fixture(scope="module")
-def journal(tmp_path_factory):
-    """The folder of a core's journal with a goal of the mailbot."""
-    path = tmp_path_factory.mktemp("journal")
-    play(path, shipped("mailbot.lp", "office.lp"), [("a", GOALS[0])], None, None)
-    return path
 
 
 @pytest.mark.slow

@@ -6,9 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from journal_runs import GOALS, play
+from journal_runs import GOALS
 from published_runs import GOAL, LABELS, plan_of
-from shipped import shipped
 
 from rosoclingo.reasoning.journal.database import NAME
 from rosoclingo.runs.recorded_run import RunProgram
@@ -30,22 +29,6 @@ def report(monkeypatch):
         return report_command.main([str(word) for word in words], lines.append), lines
 
     return run
-
-
-@pytest.fixture
-def write(messages, tmp_path):
-    """Write a bag with messages of topics at some seconds."""
-    import genpy
-    import rosbag
-
-    def write(said, name="run.bag"):
-        path = tmp_path / name
-        with rosbag.Bag(str(path), "w") as bag:
-            for time, topic, message in said:
-                bag.write(topic, message, genpy.Time.from_sec(time))
-        return path
-
-    return write
 
 
 @pytest.fixture
@@ -111,9 +94,9 @@ def transform(parent, child, x):
     return TFMessage([one])
 
 
-def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path):
+def test_report_of_a_bag_is_written_next_to_it(report, write_bag, run, tmp_path):
     """The action server has the usual name, independent of the core's name."""
-    path = write(run(core="brain"))
+    path = write_bag(run(core="brain"))
     assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
     found = shown(tmp_path / "run.html")
     assert (found["about"]["title"], found["about"]["source"]) == ("run", "run.bag")
@@ -127,8 +110,8 @@ def test_report_of_a_bag_is_written_next_to_it(report, write, run, tmp_path):
     assert found["actions"][0][1]["value"] == "office2"
 
 
-def test_report_options_name_file_title_and_core(report, write, run, tmp_path, capsys):
-    path = write([*run("/red/"), *run("/blue/")])
+def test_report_options_name_file_title_and_core(report, write_bag, run, tmp_path, capsys):
+    path = write_bag([*run("/red/"), *run("/blue/")])
     to = tmp_path / "other.html"
     assert report(path, "-o", to, "--core", "/red/rosoclingo", "--title", "Red <b>")[0] == 0
     assert shown(to)["about"]["title"] == "Red <b>"
@@ -138,7 +121,7 @@ def test_report_options_name_file_title_and_core(report, write, run, tmp_path, c
     assert "No such file or directory" in capsys.readouterr().err
 
 
-def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write, run, tmp_path):
+def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write_bag, run, tmp_path):
     from geometry_msgs.msg import PoseStamped
     from nav_msgs.msg import Path as Way
 
@@ -147,7 +130,7 @@ def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write, run,
     truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
     tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
     first = (2.5, "/amcl_pose", odometry(0.0, 0.5))
-    report(write([*run(), first, *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
+    report(write_bag([*run(), first, *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
     assert shown(tmp_path / "run.html")["paths"] == [[0, {"time": 1.0, "points": [[0.0, 0.0], [2.0, 0.0]]}]]
     poses = [one for _, one in shown(tmp_path / "run.html")["poses"]]
     assert poses[0] == {"time": 0.5, "robot": "", "pose": [0.0, 0.0, 0.5], "metres": 0.0}
@@ -164,30 +147,22 @@ def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write, run,
         ("base_links", None),
     ],
 )
-def test_report_finds_robots_by_their_frames(report, write, run, messages, tmp_path, frame, robot):
+def test_report_finds_robots_by_their_frames(report, write_bag, run, messages, tmp_path, frame, robot):
     plan = messages.TaskPlan(cycle=1, horizon=1, actions=["_action_lib(go(planned),x,1)"])
     tf = [(2.0, "/tf", transform("map", "odom", 7.0)), (3.0, "/tf", transform("odom", frame, 1.0))]
-    report(write([*run(), (1.5, "/rosoclingo/task_plan", plan), *tf]))
+    report(write_bag([*run(), (1.5, "/rosoclingo/task_plan", plan), *tf]))
     found = [(one["robot"], one["pose"]) for _, one in shown(tmp_path / "run.html")["poses"]]
     assert found == ([] if robot is None else [(robot, [8.0, 0.0, 0.0])])
 
 
-def test_report_shows_the_pace_and_no_map_without_cells(report, write, run, tmp_path):
+def test_report_shows_the_pace_and_no_map_without_cells(report, write_bag, run, tmp_path):
     from nav_msgs.msg import OccupancyGrid
     from std_msgs.msg import Float64
 
     walls = [(2.0 + 2.0 * second, "/record/wall_time", Float64(100.0 + second)) for second in range(4)]
-    report(write([*run(), *walls, (9.0, "/map", OccupancyGrid())]))
+    report(write_bag([*run(), *walls, (9.0, "/map", OccupancyGrid())]))
     about = shown(tmp_path / "run.html")["about"]
     assert (about["pace"], about["map"]) == (2.0, None)
-
-
-@pytest.fixture(scope="module")
-def journal(tmp_path_factory):
-    """The folder of a core's journal with a goal of the mailbot."""
-    path = tmp_path_factory.mktemp("journal")
-    play(path, shipped("mailbot.lp", "office.lp"), GOALS[:1], None, None)
-    return path
 
 
 @pytest.mark.slow

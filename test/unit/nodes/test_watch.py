@@ -24,9 +24,7 @@ def test_watch_finds_the_core(messages, cores, usual, expected):
         chosen_core([["/b/brain/task_plan", PLAN], ["/a/brain/task_plan", PLAN]], "/rosoclingo")
 
 
-def test_watch_prints_the_account_of_a_bag(messages, tmp_path):
-    import rosbag
-    import rospy
+def test_watch_prints_the_account_of_a_bag(messages, write_bag):
     from actionlib_msgs.msg import GoalID
     from std_msgs.msg import String
 
@@ -42,11 +40,7 @@ def test_watch_prints_the_account_of_a_bag(messages, tmp_path):
         ("/lab/in_rosoclingo", messages.InterfaceIO("go", ["_return(go,x,2)"])),
         ("/lab/brain/updates", String("#step 3.\n_return(go,x,2).\n#end step.\n")),
     ]
-    path = tmp_path / "run.bag"
-    with rosbag.Bag(str(path), "w") as bag:
-        for number, (topic, message) in enumerate(said):
-            bag.write(topic, message, rospy.Time(100.0 + 0.2 * number))
-    lines = []
+    path, lines = write_bag([(100.0 + 0.2 * number, *one) for number, one in enumerate(said)]), []
     watch_bag(path, None, True, lines.append)
     assert [line.split("cycle ")[1].split(None, 2) for line in lines[: lines.index("")]] == [
         ["2", "plan", "go x"],

@@ -69,29 +69,6 @@ def test_account_holds_no_event_back_for_ever(account, lines):
     assert kinds(lines)[4:] == ["action"], "once"
 
 
-def test_account_shows_texts_that_are_no_atoms(account, lines):
-    account.plan(0.0, 1, 9, [])
-    account.returned(0.0, "camera", ["_seen(ball)", "((("])
-    account.update(0.0, "garbage")
-    account.plan(0.0, 1, 9, ["((("])
-    account.dispatched(0.0, ["((("])  # is not an action
-    account.finish()
-    assert "_seen(ball) from camera" in lines[1]
-    assert "((( from camera" in lines[2]
-    assert "garbage" in lines[3]
-    assert lines[4].endswith("plan     nothing to do")
-    assert lines[5:] == []
-
-
-def test_account_reports_status_changes_once_with_reason(account, lines):
-    account.goal(0.0, "a", "g(1)")
-    for _ in range(3):
-        account.status(0.0, "a", 0, "")
-        account.status(1.0, "a", 5, "g(1) is unknown")
-    account.status(1.0, "nobody", 3, "")
-    assert [line.split(None, 5)[-1] for line in lines[1:]] == ["g(1): rejected (is unknown)"]
-
-
 def test_account_has_a_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
@@ -147,34 +124,6 @@ def test_account_counts_resent_action_again_only_in_another_run(account, lines):
     account.finish()
     assert account.dispatched_actions == ["_action_lib(go,x,1)"] * 2
     assert [line.split()[-2:] for line in lines if " action " in line] == [["go", "x"]] * 2
-
-
-def test_account_can_begin_during_a_run(account, lines):
-    published = [
-        GoalReport("a", "g(1)", 3, "g(1) is met"),
-        GoalReport("b", "g(2)", 1, "g(2) is accepted", 4900.0),
-        GoalReport("c", "g(3)", 0, "at most 8 goals are planned for at a time"),
-    ]
-    account.goals(5000.0, published)
-    account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
-    account.dispatched(5000.1, ["_action_lib(go,y,412)"])
-    account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
-    account.status(5001.0, "a", 3, "g(1) is met")
-    account.goals(5002.0, [*published, GoalReport("d", "g(4)", 0, "")])
-    account.goal(5002.0, "d", "g(4)")
-    account.status(5003.0, "b", 3, "g(2) is met")
-    assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
-        ["412", "plan", "go y"],
-        ["412", "request", "g(2)"],
-        ["412", "goal", "g(2): under way"],
-        ["412", "request", "g(3)"],
-        ["412", "action", "go y"],
-        ["413", "update", "#step 413. :- not _action_lib(go,y,412). #end step."],
-        ["413", "request", "g(4)"],
-        ["413", "goal", "g(2): done"],
-    ]
-    assert [goal["request"] for goal in account.tables["goals"]] == ["g(2)", "g(3)", "g(4)"]
-    assert account.summary()[-1] == "actions: go y"
 
 
 def test_account_reports_the_state_on_request(lines):

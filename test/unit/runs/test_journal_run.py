@@ -1,31 +1,13 @@
 """A core's journal as a recorded run: it has the published messages and decisions, and is solved again."""
 
 import pytest
-from core_driver import FORGETFUL
-from journal_runs import GOALS, changed, play
+from journal_runs import changed
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.events import ActionsDispatched, UpdateSent
-from rosoclingo.reasoning.journal import folder
 from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.replay import AGREEING, Replay
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A journal that goes back to the start, and the messages of its core."""
-    return play(tmp_path_factory.mktemp("whole"), shipped("mailbot.lp", "office.lp"), GOALS)
-
-
-@pytest.fixture(scope="module")
-def late(tmp_path_factory):
-    """A journal that was rewritten during the run, after a compaction; and the messages of its core."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(folder, "RECORDS", 40)
-        goals = [(str(number), f"do({number})") for number in range(1, 25)]
-        return play(tmp_path_factory.mktemp("late"), ReactiveProgram.from_text(FORGETFUL), goals, None, None)
 
 
 def streams(published):

@@ -1,28 +1,17 @@
 """A core's journal on a page: goals, cycles, actions and times of the run, and the missing parts."""
 
 import pytest
-from core_driver import FORGETFUL
 from journal_runs import GOALS, LASTS, play
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import parse_update
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
-from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.journal_run import LACKS, journal_view
-
-LABELS = {"office1": {"x": 1.0, "y": 2.0}, "office2": {"x": 5.0, "y": 2.0, "yaw": 1.5}}
 
 
 def records(view, name):
     return [record for _, record in view.changes()[name]]
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A journal that goes back to the start, and the messages of its core."""
-    path = tmp_path_factory.mktemp("whole")
-    return play(path, shipped("mailbot.lp", "office.lp"), GOALS, kept={"labels": LABELS})
 
 
 @pytest.mark.slow
@@ -69,10 +58,8 @@ def test_journal_view_shows_a_queued_goal(tmp_path):
 
 
 @pytest.mark.slow
-def test_journal_view_of_rewritten_journal_begins_with_open_goals(tmp_path, monkeypatch):
-    monkeypatch.setattr(folder, "RECORDS", 40)
-    goals = [(str(number), f"do({number})") for number in range(1, 25)]
-    file, published = play(tmp_path, ReactiveProgram.from_text(FORGETFUL), goals, None, None)
+def test_journal_view_of_rewritten_journal_begins_with_open_goals(late):
+    file, published = late
     view = journal_view(file)
     first = min(one["cycle"] for one in records(view, "cycles"))
     assert first > 1
