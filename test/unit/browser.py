@@ -169,5 +169,20 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
+    def push(self, text, within):
+        """Click on the last visible button of this text, as soon as it is there."""
+        buttons = f"[...document.querySelectorAll({json.dumps(within + ' button')})]"
+        found = f"{buttons}.filter((one) => one.textContent === {text!r} && one.offsetParent !== null).pop()"
+        self.wait_for(f"{found} !== undefined")
+        self.run(f"{found}.dataset.pushed = ''")
+        self.click("[data-pushed]")
+        self.run("delete document.querySelector('[data-pushed]')?.dataset.pushed")
+
+    def choose(self, selector, value):
+        """Choose an option of a select element, as soon as it is offered."""
+        select = f"document.querySelector({json.dumps(selector)})"
+        self.wait_for(f"[...{select}.options].some((one) => one.value === {value!r})")
+        self.run(f"{select}.value = {value!r}; {select}.dispatchEvent(new Event('change'))")
+
 
 _CODES = {"ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35, "Tab": 9, "Enter": 13}

@@ -4,10 +4,17 @@ import numpy as np
 
 from rosoclingo.runs.map_image import map_image
 from rosoclingo.runs.planar_frames import Pose
+from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.run_view import RunView
 
 LABELS = {"office1": [1.0, 1.0, 0.0], "office2": [5.0, 1.0, 0.0]}
 GOAL = "goal(office2,office1,1)"
+
+
+def program_of(text, labels=None, **settings):
+    """Return the program of a run, with labels and other settings of its core."""
+    files = (ProgramFile("own.lp", text, False),)
+    return RunProgram("run", files, {}, "", settings if labels is None else {"labels": labels, **settings})
 
 
 def plan_of(*words):

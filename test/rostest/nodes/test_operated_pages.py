@@ -67,24 +67,14 @@ class OperatedPages(unittest.TestCase):
         """Fill the form of this title and send it."""
         inside = f"#orders form[aria-label='{form}']"
         for name, value in chosen.items():
-            select = f'document.querySelector("{inside} select[name={name}]")'
-            self.page.wait_for(f"[...{select}.options].some((one) => one.value === '{value}')")
-            self.page.run(f"{select}.value = '{value}'; {select}.dispatchEvent(new Event('change'))")
+            self.page.choose(f"{inside} select[name={name}]", value)
         self.page.click(f"{inside} button")
-
-    def push(self, text, within):
-        """Click on the last button of this text."""
-        found = f"[...document.querySelectorAll('{within} button')].filter((one) => one.textContent === '{text}').pop()"
-        self.page.wait_for(f"{found} !== undefined")
-        self.page.run(f"{found}.dataset.pushed = ''")
-        self.page.click("[data-pushed]")
-        self.page.run("delete document.querySelector('[data-pushed]')?.dataset.pushed")
 
     def command(self, text):
         """Give a command, and confirm it."""
-        self.push(text, "#commands")
+        self.page.push(text, "#commands")
         if text != "Continue":
-            self.push(text, "#dialog")
+            self.page.push(text, "#dialog")
 
     def says(self, text):
         self.page.wait_for(f"document.getElementById('messages').textContent.includes({text!r})")
@@ -100,9 +90,9 @@ class OperatedPages(unittest.TestCase):
 
     def why(self, text):
         """Ask why the last order was not met."""
-        self.push("Why?", "#orders tbody")
+        self.page.push("Why?", "#orders tbody")
         self.page.wait_for(f"document.getElementById('dialog').innerText.includes({text!r})")
-        self.push("Close", "#dialog")
+        self.page.push("Close", "#dialog")
 
     def test_package_of_the_command_new_is_operated_by_its_page(self):
         folder = Path(self.ends.enter_context(tempfile.TemporaryDirectory()))

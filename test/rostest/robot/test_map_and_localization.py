@@ -71,6 +71,7 @@ class Maps(unittest.TestCase):
                 (f"{folder}/broken.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
                 (f"{folder}/small.yaml", LoadMapResponse.RESULT_INVALID_MAP_DATA),
                 ("package://no_such_package/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
+                ("https://example.org/map.yaml", LoadMapResponse.RESULT_INVALID_MAP_METADATA),
             ):
                 self.assertEqual(self.change(url).result, result, url)
         self.assertEqual(self.get().map.info.width, 348)

@@ -60,8 +60,7 @@ class Desk:
 
     def choose(self, **chosen):
         for name, value in chosen.items():
-            select = f"document.querySelector('#orders select[name={name}]')"
-            self.page.run(f"{select}.value = '{value}'; {select}.dispatchEvent(new Event('change'))")
+            self.page.choose(f"#orders select[name={name}]", value)
 
     def chosen(self, name):
         return self.page.run(f"document.querySelector('#orders select[name={name}]').value")
@@ -88,15 +87,6 @@ class Desk:
         found = f"[...document.querySelectorAll('#orders tbody tr')].map((one) => {row})"
         self.page.wait_for(f"{found}.join('|') === {'|'.join(rows)!r}")
 
-    def push(self, text):
-        """Click on the first button with this text below the forms."""
-        buttons = "[...document.querySelectorAll('#orders tbody button')]"
-        found = f"{buttons}.find((one) => one.textContent === {text!r} && one.offsetParent !== null)"
-        self.page.wait_for(f"{found} !== undefined")
-        self.page.run(f"{found}.dataset.pushed = ''")
-        self.page.click("[data-pushed]")
-        self.page.run("delete document.querySelector('[data-pushed]')?.dataset.pushed")
-
 
 @pytest.fixture
 def desk(page):
@@ -111,7 +101,7 @@ def test_page_says_cancelled_only_when_it_is(desk):
     desk.choose(package="1", to="office2")
     desk.order()
     desk.served.do(lambda view: view.goal(141.0, "order 1", "goal(office1,office2,1)"))
-    desk.push("Cancel")
+    desk.page.push("Cancel", "#orders tbody")
     desk.served.do(lambda view: view.status(142.0, "order 1", 6, ""))
     desk.mine("goal(office1,office2,1); being cancelled; ; ")
     assert desk.canceled == ["order 1"]
@@ -137,7 +127,7 @@ def test_page_shows_hostile_texts_of_orders_as_text(desk):
     desk.served.do(lambda view: view.goal(141.0, "order 1", HOSTILE))
     desk.served.do(lambda view: view.status(142.0, "order 1", 4, f"no {HOSTILE}"))
     desk.says(f"Given up: {HOSTILE} (no {HOSTILE})")
-    desk.push("Why?")
+    desk.page.push("Why?", "#orders tbody")
     desk.page.wait_for("document.querySelectorAll('#dialog li').length === 2")
     assert desk.page.texts("#dialog li") == [f"no {HOSTILE}", HOSTILE]
     assert desk.page.run("window.broken === undefined && document.querySelectorAll('img').length === 0")

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from journal_runs import GOALS
-from published_runs import GOAL, LABELS, plan_of
+from published_runs import GOAL, LABELS, plan_of, program_of
 
 from rosoclingo.reasoning.journal.database import NAME
-from rosoclingo.runs.recorded_run import RunProgram
 
 ROOT = Path(__file__).resolve().parents[3]
 PLAN = plan_of("move_base office2", "pickup 1")
@@ -43,7 +42,7 @@ def run(messages):
         grid = OccupancyGrid(data=[0, 100, -1, 0])
         grid.info.width = grid.info.height = 2
         grid.info.resolution = 1.0
-        program = RunProgram("r", (), {}, "", {"labels": LABELS}).text()
+        program = program_of("", LABELS).text()
         state = {"id": GoalID(id="a"), "request": GOAL}
         goals = [messages.GoalStates(goals=[messages.GoalState(**state, status=number)]) for number in (0, 1, 1, 3)]
         lying = [messages.PackageStates(packages=[messages.PackageState("1", place, not place)]) for place in ("x", "")]

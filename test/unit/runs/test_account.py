@@ -1,9 +1,9 @@
 import pytest
+from published_runs import program_of
 
 from rosoclingo.runs.account import Account
 from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.log_lines import PATIENCE
-from rosoclingo.runs.recorded_run import RunProgram
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_account_has_a_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
     account.packages(12.1, [("3", "office2"), ("2", ""), ("5", "office3"), ("4", "office1"), ("1", "office2")])
-    account.program(12.1, RunProgram("r", (), {}, "", {"labels": {"office2": [1.0, 2.0]}}).text())
+    account.program(12.1, program_of("", {"office2": [1.0, 2.0]}).text())
     account.pose(12.1, 1.1, 2.1, 0.0)
     assert account.summary() == [
         "goal(office2,office1,1): done",
@@ -90,7 +90,7 @@ def test_account_has_a_summary(account):
 def test_account_names_place_of_robot_by_a_label(account):
     account.pose(1.0, 1.1, 2.1, 0.0)
     labels = {"office2": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
-    account.program(1.1, RunProgram("r", (), {}, "", {"labels": labels}).text())
+    account.program(1.1, program_of("", labels).text())
     account.beliefs(1.2, 1, ["at(hall,now)"])
     assert account.places.robot == "office2", "a measured position has priority"
     account.pose(1.3, 3.0, 3.0, 0.0)

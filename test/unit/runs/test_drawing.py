@@ -1,10 +1,11 @@
 """The drawings that a program requests on the map."""
 
 import pytest
+from published_runs import program_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.runs.drawing import Drawing, DrawingKind, drawings_of
-from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
+from rosoclingo.runs.recorded_run import RunProgram
 
 LABELS = {"a", "b", "c", "room(1,2)"}
 TEXT = """
@@ -69,15 +70,13 @@ def test_drawing_of_each_thing_is_unique_and_uses_labels(declared):
     ],
 )
 def test_drawing_declaration_that_is_malformed_is_reported(fact, fault):
-    program = RunProgram("run", (ProgramFile("a.lp", f"{fact}. x(a,b). _draws(y,mark). y(a).", False),), {}, "")
-    found = drawings_of(program)
+    found = drawings_of(program_of(f"{fact}. x(a,b). _draws(y,mark). y(a)."))
     assert found.faults == (f"{fact} draws nothing: {fault}",)
     assert found.of([], LABELS) == [Drawing(DrawingKind.MARK, ("a",), "y")]
 
 
 def test_drawing_ignores_a_program_that_cannot_be_read():
-    program = RunProgram("run", (ProgramFile("broken.lp", "_draws(x,way). x(a,b). ((", False),), {}, "")
-    assert drawings_of(program).of(["x(a,b)"], LABELS) == []
+    assert drawings_of(program_of("_draws(x,way). x(a,b). ((")).of(["x(a,b)"], LABELS) == []
 
 
 def test_drawing_of_initial_facts_ends_with_the_first_belief():

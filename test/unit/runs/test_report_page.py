@@ -5,9 +5,8 @@ import re
 from pathlib import Path
 
 import pytest
-from published_runs import GOAL, LABELS, delivery
+from published_runs import GOAL, LABELS, delivery, program_of
 
-from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.report_page import SCRIPTS, report_page
 from rosoclingo.runs.run_view import RunView
 
@@ -66,8 +65,7 @@ _says("goal(From,To,Id)","Bring package {Id} from {From} to {To}").
 
 def worded(text=WORDS, **titles):
     """Return a program with sentences, as published by the core."""
-    files = (ProgramFile("words.lp", text, False),)
-    return RunProgram("r", files, {}, "", {"labels": LABELS, "titles": titles}).text()
+    return program_of(text, LABELS, titles=titles).text()
 
 
 def test_report_page_begins_with_the_whole_run(opened):
@@ -167,8 +165,7 @@ def test_report_page_marks_failed_and_preempted_actions(opened):
 def floor(*facts):
     """Return a program with drawings on the map, as published by the core."""
     text = "\n".join(("_draws(door,way). _draws(shut,blocked). _draws(on,thing). _draws(me,robot).", *facts))
-    labels = {"hall": [1.0, 1.0, 0.0], "study": [5.0, 1.0, 0.0]}
-    return RunProgram("r", (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
+    return program_of(text, {"hall": [1.0, 1.0, 0.0], "study": [5.0, 1.0, 0.0]}).text()
 
 
 def test_report_page_shows_drawings_of_the_program(opened):
@@ -254,8 +251,7 @@ def fleet(robots=2, names=("r1", "r2", "<b>r</b>")):
     """Return a run of several robots that only tf knows, each with three drives ahead."""
     view = RunView()
     labels = {f"p{number}": [2.0 * number, 0.0, 0.0] for number in range(5)}
-    program = RunProgram("r", (ProgramFile("f.lp", '_says(go,"drives to {}").', False),), {}, "", {"labels": labels})
-    view.program(0.0, program.text())
+    view.program(0.0, program_of('_says(go,"drives to {}").', labels).text())
     view.goal(0.0, "a", "g(1)")
     plan = [f'_action_lib(go("{name}"),p{step},{step})' for step in (1, 2, 3, 4) for name in names[:robots]]
     view.plan(1.0, 1, 4, plan, (0.01, 0.01))

@@ -4,11 +4,11 @@ import json
 import math
 
 import pytest
-from published_runs import GOAL, delivery
+from published_runs import GOAL, delivery, program_of
 
 from rosoclingo.runs import run_view
 from rosoclingo.runs.events import GoalReport
-from rosoclingo.runs.recorded_run import FORMAT, ProgramFile, RunProgram
+from rosoclingo.runs.recorded_run import FORMAT
 from rosoclingo.runs.run_tables import POSES, Track
 from rosoclingo.runs.run_view import RunView
 
@@ -162,11 +162,10 @@ def drawn(view):
     ]
 
 
-def floor(labels=None, run="r"):
+def floor():
     """Return a program as the core publishes it, with drawings of a way, marks and a blocked way."""
     text = '_draws(path,way). _draws(shut,blocked,"shut"). _draws(dirty,mark). path(a,b). _says(go,"goes to {}").'
-    labels = labels or {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.0]}
-    return RunProgram(run, (ProgramFile("floor.lp", text, False),), {}, "", {"labels": labels}).text()
+    return program_of(text, {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.0]}).text()
 
 
 WAY, SHUT = ("way", ["a", "b"], ""), ("blocked", ["a", "b"], "shut")
@@ -255,13 +254,12 @@ def test_view_has_a_limited_size(monkeypatch):
 
 def test_view_labels_come_with_the_program():
     view = RunView()
-    program = RunProgram("r", (), {}, "", {"labels": {"kitchen": [1.0, 2.0, 0.5]}})
+    program = program_of("", {"kitchen": [1.0, 2.0, 0.5]})
     view.program(0.0, program.text())
     assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
     for damaged in ("no JSON", program.text().replace(f'"format": {FORMAT}', '"format": 99'), '{"format": 1}'):
         view.program(0.0, damaged)
-    odd = RunProgram("r", (), {}, "", {"labels": {"Kitchen Sink": "here"}})
-    view.program(0.0, odd.text())
+    view.program(0.0, program_of("", {"Kitchen Sink": "here"}).text())
     assert view.changes()["about"]["labels"] == {"kitchen": [1.0, 2.0, 0.5]}
 
 
@@ -317,7 +315,7 @@ def test_view_rewords_goals_and_actions_with_the_program():
     view.dispatched(11.0, ["_action_lib(go(r1),room,1)"])
     known = view.revision
     text = '_says(go,"goes to {}"). _says("g(Place)","Clean the {Place}").'
-    program = RunProgram("r", (ProgramFile("w.lp", text, False),), {}, "", {"titles": {"room": "hall", "odd": 7}})
+    program = program_of(text, titles={"room": "hall", "odd": 7})
     view.program(12.0, program.text())
     more = view.changes(known)
     assert [one["words"] for one in records(more, "goals")] == ["Clean the hall"]

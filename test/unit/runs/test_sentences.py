@@ -3,11 +3,12 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from published_runs import program_of
 from shipped import shipped
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
-from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
+from rosoclingo.runs.recorded_run import RunProgram
 from rosoclingo.runs.sentences import Sentences, sentences_of
 
 WORDS = """
@@ -28,13 +29,8 @@ _says("odd(1;2)","odd"). _says("odd(é)","odd"). _says("É(1)","odd"). _says(mov
 TITLES = {"office3": "Anna's office", "room(1,2)": "<b>", "7": "\u202eseven\n"}
 
 
-def program(text, titles=None):
-    settings = {} if titles is None else {"titles": titles}
-    return RunProgram("run", (ProgramFile("words.lp", text, False),), {}, "", settings)
-
-
 def words(text, *actions):
-    return [sentences_of(program(text)).of(action_of(parse_atom(one))) for one in actions]
+    return [sentences_of(program_of(text)).of(action_of(parse_atom(one))) for one in actions]
 
 
 def test_sentences_of_actions_come_from_program_facts():
@@ -78,7 +74,7 @@ def test_sentences_of_the_shipped_programs(files, actions, goal, sentence):
     ],
 )
 def test_sentence_of_goal_has_the_most_fixed_pattern(goal, sentence):
-    assert sentences_of(program(GOALS, TITLES)).goal(goal) == sentence
+    assert sentences_of(program_of(GOALS, titles=TITLES)).goal(goal) == sentence
 
 
 @pytest.mark.parametrize(
@@ -91,15 +87,15 @@ def test_sentence_of_goal_has_the_most_fixed_pattern(goal, sentence):
     ],
 )
 def test_sentences_describe_facts(fact, words):
-    assert sentences_of(program(GOALS, TITLES)).fact(fact) == words
+    assert sentences_of(program_of(GOALS, titles=TITLES)).fact(fact) == words
 
 
 def test_sentences_of_actions_name_titled_labels():
-    sentences = sentences_of(program(GOALS, TITLES))
+    sentences = sentences_of(program_of(GOALS, titles=TITLES))
     assert sentences.of(action_of(parse_atom("_action_lib(move_base(r1),office3,4)"))) == "r1 drives to Anna's office"
-    damaged = sentences_of(program(GOALS, {"office3": 5}))
+    damaged = sentences_of(program_of(GOALS, titles={"office3": 5}))
     assert damaged.goal("run(go(office3),1)") == "Go to office3"
-    assert sentences_of(program(GOALS, ["office3"])).goal("run(go(office3),1)") == "Go to office3"
+    assert sentences_of(program_of(GOALS, titles=["office3"])).goal("run(go(office3),1)") == "Go to office3"
 
 
 @pytest.mark.parametrize(
@@ -122,7 +118,7 @@ def test_sentences_of_actions_name_titled_labels():
     ],
 )
 def test_sentences_replace_terms_in_reasons(message, reason):
-    assert sentences_of(program(GOALS)).reason("goal(a,b,1)", message) == reason
+    assert sentences_of(program_of(GOALS)).reason("goal(a,b,1)", message) == reason
 
 
 @pytest.mark.parametrize(
@@ -135,15 +131,15 @@ def test_sentences_replace_terms_in_reasons(message, reason):
     ],
 )
 def test_sentences_replace_labels_in_reasons_by_their_titles(message, reason):
-    assert sentences_of(program(GOALS, TITLES)).reason("goal(a,b,1)", message) == reason
+    assert sentences_of(program_of(GOALS, titles=TITLES)).reason("goal(a,b,1)", message) == reason
 
 
 @given(st.text(alphabet="goal(a,b1)\"\\' _returnX\n\u202e", max_size=60))
 def test_sentences_accept_any_message_and_pattern(text):
-    sentences = sentences_of(program(GOALS))
+    sentences = sentences_of(program_of(GOALS))
     assert isinstance(sentences.reason(text, text), str)
     quoted = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    assert sentences_of(program(f'_says("{quoted}","text").')).goal("b(1)") in ("b(1)", "text")
+    assert sentences_of(program_of(f'_says("{quoted}","text").')).goal("b(1)") in ("b(1)", "text")
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,6 @@ from rosoclingo.common.parameters import ParameterError
 from rosoclingo.robot.nodes.stage.robot_topics import prefixes
 
 
-def test_simulator_topics_have_names_as_those_of_stage():
-    assert prefixes(["mailbot"], False) == ("",)
-    assert prefixes(["anna", "bert"], False) == ("robot_0/", "robot_1/")
-    assert prefixes(["anna"], True) == ("anna/",)
-
-
 @pytest.mark.parametrize("name", ["my robot", "/anna"])
 def test_simulator_topics_refuse_an_invalid_name(name):
     assert prefixes([name, "bert"], False) == ("robot_0/", "robot_1/")
