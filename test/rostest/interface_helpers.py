@@ -316,3 +316,8 @@ class CommandProcess(Process):
 
     def __init__(self, name, *words, **environment):
         super().__init__(executable(name), *words, **environment)
+
+
+def send_request(*words, **environment):
+    """Start the command request, which waits patiently for its server."""
+    return CommandProcess("request", "--wait", str(PATIENCE), *words, **environment)

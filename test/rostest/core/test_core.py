@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces, SentGoal, Updates
 from documented_names import check_names
-from interface_helpers import PATIENCE, CommandProcess, init_node, wait_until
+from interface_helpers import PATIENCE, CommandProcess, init_node, send_request, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
 PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
@@ -122,13 +122,13 @@ class Core(unittest.TestCase):
         self.hands.at_once = True
         nobody = [self.errand(), "--server", "nobody", "--wait", "0.2"]
         for words, code in (([self.errand()], 0), (["do("], 3), ([self.errand("never")], 4), (nobody, 5)):
-            with CommandProcess("request", *words) as request:
+            with send_request(*words) as request:
                 self.assertEqual(request.wait()[0], code)
 
     def test_request_in_plain_words_is_understood(self):
         self.hands.tell(origin="walk")  # announced, since another test has announced an interface of this node
         text = self.errand()
-        with CommandProcess("request", "--plain", text) as client:
+        with send_request("--plain", text) as client:
             command = self.hands.take()
             number = command.split(",")[1]
             client.lines_until(f"walks {number}")

@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalStatus
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, Updates, start_core
-from interface_helpers import CommandProcess, Process, executable, init_node
+from interface_helpers import Process, executable, init_node, send_request
 
 
 class CoreStart(unittest.TestCase):
@@ -49,8 +49,8 @@ class CoreStart(unittest.TestCase):
     def test_request_is_cancelled_on_ctrl_c(self):
         with start_core("asked", action_timeout=2.0):
             updates = Updates("asked/rosoclingo")
-            words = ("do(walk,1)", "--plain", "--server", "asked/rosoclingo", "--wait", "30")
-            with CommandProcess("request", *words) as request:
+            words = ("do(walk,1)", "--plain", "--server", "asked/rosoclingo")
+            with send_request(*words) as request:
                 lines = request.lines_until("walks 1")
                 request.signal(signal.SIGINT)
                 updates.wait_for("cancel(1)")

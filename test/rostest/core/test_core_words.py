@@ -16,12 +16,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client, ManualInterfaces, Updates
 from interface_helpers import (
-    CommandProcess,
     Process,
     Server,
     executable,
     heard_log,
     init_node,
+    send_request,
     values_of,
     wait_for_diagnosis,
     wait_until,
@@ -65,7 +65,7 @@ class CoreWords(unittest.TestCase):
         self.assertEqual(goal.entry(self.goals).status, GoalStatus.ACTIVE)
 
     def test_request_fails_for_a_goal_that_no_rule_sees(self):
-        with CommandProcess("request", "gaol(office3,office2,1)", "--wait", "40", ROS_NAMESPACE="/paper") as request:
+        with send_request("gaol(office3,office2,1)", ROS_NAMESPACE="/paper") as request:
             code, printed = request.wait()
         self.assertEqual(code, 3, printed)
         self.assertIn("did you mean goal(office3,office2,1)?", printed)

@@ -70,7 +70,7 @@ class ConfiguredInterfaces(unittest.TestCase):
         cls.core = CoreSide()
         cls.oracle = Server("oracle", TestRequestAction)
         cls.count = Server("count", TestAction)
-        cls.hasty = Server("hasty", TestAction)
+        cls.hasty, cls.slow = Server("hasty", TestAction), Server("slow", TestAction)
         cls.core.wait_for("interface")
 
     def tearDown(self):
@@ -93,10 +93,10 @@ class ConfiguredInterfaces(unittest.TestCase):
             self.assertEqual(self.core.receive(), [f"_return(count,{value},1)"])
 
     def test_timeout_cancels_the_goal(self):
-        self.core.send("hasty", "_action_lib(hasty,a,1)")
-        self.hasty.accept()
-        self.hasty.cancelled().set_canceled()
-        self.assertEqual(self.core.receive(), ["_return(hasty,timeout,1)"])
+        self.core.send("slow", "_action_lib(slow,a,1)")
+        self.slow.accept()
+        self.slow.cancelled().set_canceled()
+        self.assertEqual(self.core.receive(), ["_return(slow,timeout,1)"])
 
     def test_timeout_of_server_that_ignores_the_cancel(self):
         self.core.send("hasty", "_action_lib(hasty,a,2)")

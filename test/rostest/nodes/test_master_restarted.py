@@ -17,7 +17,7 @@ import rostest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, CommandProcess, Process, executable, master_answers, wait_until
+from interface_helpers import PATIENCE, Process, executable, master_answers, send_request, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 ERRANDS = ROOT / "test" / "data" / "errands.lp"
@@ -64,7 +64,7 @@ class MasterRestarted(unittest.TestCase):
         entries = [(1, "/in_rosoclingo", "/rosoclingo"), (0, "/out_rosoclingo", "/rosoclingo")]
         self.run_node("core", f"_program_files:=[{ERRANDS}]")
         wait_until(lambda: self.known(*entries), "the core")
-        waiting = self.stack.enter_context(CommandProcess("request", "do(walk,1)"))
+        waiting = self.stack.enter_context(send_request("do(walk,1)"))
         waiting.lines_until("walk")
         self.restart_master()
         wait_until(lambda: self.known(*entries), "the core at the new master")

@@ -21,12 +21,12 @@ from rosoclingo.nodes.recording.recorder import is_recording
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from interface_helpers import (
-    CommandProcess,
     Process,
     executable,
     full_disk,
     init_node,
     process_of,
+    send_request,
     wait_for_diagnosis,
     wait_until,
 )
@@ -161,7 +161,7 @@ class Recorder(unittest.TestCase):
         bag = ("record:=true", f"bag:={self.bag}")
         with Process("roslaunch", "rosoclingo", "mailbot.launch", *nothing, *bag) as launch:
             wait_until(lambda: is_recording(["/rosoclingo/result", "/out_rosoclingo"]), "the recorder")
-            with CommandProcess("request", "goal(office3,office2,1)") as client:
+            with send_request("goal(office3,office2,1)") as client:
                 client.lines_until("active")
                 launch.signal(signal.SIGINT)
                 launch.wait()

@@ -18,12 +18,12 @@ from rosoclingo.nodes.server_watch import SILENCE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import ManualInterfaces, start_core
-from interface_helpers import PATIENCE, CommandProcess, init_node, wait_to_hear, wait_until
+from interface_helpers import PATIENCE, init_node, send_request, wait_to_hear, wait_until
 
 
 def ask(server, *arguments):
     """Start `rosrun rosoclingo request`."""
-    return CommandProcess("request", "do(walk,1)", "--server", server, "--wait", str(PATIENCE), *arguments)
+    return send_request("do(walk,1)", "--server", server, *arguments)
 
 
 class RequestLost(unittest.TestCase):

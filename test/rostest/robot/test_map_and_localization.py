@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, executable, init_node
+from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_hear
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -218,15 +218,14 @@ class SimulatorParameters(unittest.TestCase):
         self.assertEqual(step(0).time, step(0).time)
         self.assertTrue(place("anna", 8.0, 8.0, math.pi).success, "the large map is not the one")
         speeds = queue.Queue()
-        rospy.Subscriber("anna/odom", Odometry, lambda odom: speeds.put(odom.twist.twist.linear.x))
+        odometry = rospy.Subscriber("anna/odom", Odometry, lambda odom: speeds.put(odom.twist.twist.linear.x))
+        wait_to_hear(odometry, nodes=["other"])
         command, twist = rospy.Publisher("anna/cmd_vel", Twist, queue_size=1), Twist()
         twist.linear.x = 0.5
 
         def speed_after_a_step():
-            while True:  # the simulator perhaps does not know the subscriber at first
-                step(1)
-                with contextlib.suppress(queue.Empty):
-                    return speeds.get(timeout=0.5)
+            step(1)
+            return speeds.get(timeout=PATIENCE)
 
         moving = 0
         while speed_after_a_step() < 0.5:

@@ -95,7 +95,7 @@ class Office(unittest.TestCase):
         wait_until(lambda: self.pick("1")[1].outcome == PickupResult.NOT_AT_LABEL, "the pose to be too old")
 
     def test_cancel_while_waiting_and_while_handling(self):
-        parameters = ["_labels:={office1: [0, 0]}", "_packages:={office1: [1, 2, 3]}", "_duration:=4"]
+        parameters = ["_labels:={office1: [0, 0]}", "_packages:={office1: [1, 2, 3]}", "_duration:=10"]
         with Process(executable("office"), "__ns:=slow", *parameters):
             places = {}
             topic = rospy.Subscriber("slow/packages", PackageStates, lambda message: places.update(places_in(message)))

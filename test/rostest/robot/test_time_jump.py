@@ -23,7 +23,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, CommandProcess, init_node, kill, wait_for_server, wait_to_hear
+from interface_helpers import PATIENCE, init_node, kill, send_request, wait_for_server, wait_to_hear
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 COMPILING = 500.0  # limit in seconds of wall time: a minute of computing, on any busy machine
@@ -129,7 +129,7 @@ class Killed(unittest.TestCase):
 
     def test_request_survives_navigation_and_simulator(self):
         self.driver = Driver()
-        with CommandProcess("request", "goal(office3,office2,1)") as request:
+        with send_request("goal(office3,office2,1)") as request:
             self.drives()
             stops = self.driver.stops
             kill("move_base")
