@@ -73,6 +73,7 @@ def test_scenario_events_have_due_times():
         ("events: [{time: 1, request: a, with: {b: 1}}]", "events[0].with: is only for 'call'"),
         ("events: [{time: 1, delay: 1, cancel: 1}]", "events[0].delay: is only for events with a 'cycle'"),
         ("events: [{cycle: 0, cancel: 1}]", "events[0].cycle: must be an integer of at least 1, not 0"),
+        ("events: [{time: 1, requst: g(1)}]", "events[0]: unknown key 'requst' (did you mean request?)"),
         ("events: [{time: 1}]", "events[0]: give one of request, cancel, facts, call"),
         (
             "events: []\nexpect: {goals: [won]}",
