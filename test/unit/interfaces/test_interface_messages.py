@@ -56,6 +56,7 @@ def test_messages_scalars_times_and_arrays_are_filled():
     assert fill(Time(), {"data": 3}, NOW).data == genpy.Time(3)
     joints = fill(JointState(), {"name": [read_term("left"), "right"], "position": Number(2)}, NOW)
     assert joints.name == ["left", "right"]
+    assert fill(JointState(), {"name": read_term("(left,right)")}, NOW).name == joints.name
     assert joints.position == [2.0]
 
 

@@ -194,10 +194,11 @@ def test_goal_run_cancelled_between_goals_keeps_first_end():
 
 
 def test_goal_run_of_unwanted_or_stubborn_action_is_not_sent_again():
-    for run in (
-        ended(SLIPPED, ActionEvent.ENDED, cancelled=True),
-        ended(None, ActionEvent.CANCEL, ActionEvent.EXPIRED),
+    for run, status in (
+        (ended(SLIPPED, ActionEvent.ENDED, cancelled=True), "aborted"),
+        (ended(None, ActionEvent.CANCEL, ActionEvent.EXPIRED), "server_lost"),
     ):
+        assert run.conclusion.status == status
         assert not run.should_retry(run.conclusion, *FAILED)
 
 

@@ -19,6 +19,7 @@ from rosoclingo.interfaces.templates import (
     GoalEnd,
     evaluate,
     faults,
+    label_references,
 )
 from rosoclingo.interfaces.values import read_atom, read_term
 
@@ -222,3 +223,16 @@ def test_template_that_passes_check_is_filled_or_refused(template, parameter):
         evaluate(template, scope(parameter))
     except (FillError, UnknownLabelError) as error:
         assert str(error)  # noqa: PT017
+
+
+@pytest.mark.parametrize(
+    ("template", "wanted"),
+    [
+        ({"target_pose": "$parameter.pose"}, ["$parameter"]),
+        ({"a": [{"b": "at ${2.1.x}"}]}, ["$2.1"]),
+        ({"a": "$1", "b": 3, "c": "$$x"}, []),
+        ({"a": "$result.pose"}, []),
+    ],
+)
+def test_template_that_requires_labels(template, wanted):
+    assert label_references(template) == wanted

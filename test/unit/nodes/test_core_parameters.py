@@ -144,7 +144,9 @@ def test_core_parameters_defaults_match_the_document():
     documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|[a-z]+)\)", node))
     real = {**vars(CoreSettings), **vars(CoreParameters)}
     assert len(documented) == 15
-    assert {name: yaml.safe_load(value) for name, value in documented.items()} == {name: real[name] for name in documented}
+    assert {name: yaml.safe_load(value) for name, value in documented.items()} == {
+        name: real[name] for name in documented
+    }
 
 
 def test_core_parameters_lint_findings_are_logged_at_start(tmp_path):
