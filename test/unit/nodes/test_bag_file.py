@@ -45,12 +45,6 @@ def test_bag_repair_refuses_other_files(tmp_path):
     assert not path.exists()
 
 
-def test_bag_path_that_is_not_writable_is_reported(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(BagError, match=r"file/run\.bag cannot be written"):
-        BagFile(tmp_path / "file" / "run.bag", "/notes")
-
-
 def fill(bag):
     """Write more than fits on the disk."""
     for number in range(10, 100):

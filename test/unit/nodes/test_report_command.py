@@ -128,8 +128,8 @@ def test_report_shows_path_and_prefers_pose_of_the_simulator(report, write_bag, 
     way.poses[2].pose.position.x = 2.0
     truth = [(3.0 + 0.01 * tick, "/base_pose_ground_truth", odometry(0.05 * tick, 0.5)) for tick in range(100)]
     tf = [(3.0, "/tf", transform("map", "odom", 7.0)), (3.5, "/tf", transform("odom", "base_link", 7.0))]
-    first = (2.5, "/amcl_pose", odometry(0.0, 0.5))
-    report(write_bag([*run(), first, *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
+    amcl = [(2.5, "/amcl_pose", odometry(0.0, 0.5)), (4.2, "/amcl_pose", odometry(90.0, 0.5))]
+    report(write_bag([*run(), *amcl, *truth, *tf, (3.0, "/move_base/NavfnROS/plan", way)]))
     assert shown(tmp_path / "run.html")["paths"] == [[0, {"time": 1.0, "points": [[0.0, 0.0], [2.0, 0.0]]}]]
     poses = [one for _, one in shown(tmp_path / "run.html")["poses"]]
     assert poses[0] == {"time": 0.5, "robot": "", "pose": [0.0, 0.0, 0.5], "metres": 0.0}

@@ -69,6 +69,22 @@ def test_account_holds_no_event_back_for_ever(account, lines):
     assert kinds(lines)[4:] == ["action"], "once"
 
 
+def test_account_shows_texts_that_are_no_atoms(account, lines):
+    account.returned(0.0, "camera", ["_seen(ball)", "((("])
+    account.update(0.0, "garbage")
+    account.dispatched(0.0, ["((("])  # is not an action
+    account.finish()
+    assert [line.split(None, 5)[-1] for line in lines] == ["_seen(ball) from camera", "((( from camera", "garbage"]
+
+
+def test_account_reports_status_changes_once_with_reason(account, lines):
+    account.goal(0.0, "a", "g(1)")
+    for _ in range(3):
+        account.status(0.0, "a", 0, "")
+        account.status(1.0, "a", 5, "g(1) is unknown")
+    assert [line.split(None, 5)[-1] for line in lines[1:]] == ["g(1): rejected (is unknown)"]
+
+
 def test_account_has_a_summary(account):
     run(account)
     account.status(12.1, "a", 3, "goal(office2,office1,1) is met")
@@ -129,11 +145,13 @@ def test_account_counts_resent_action_again_only_in_another_run(account, lines):
 def test_account_can_begin_during_a_run(account, lines):
     account.goals(5000.0, [GoalReport("a", "g(1)", 3, "g(1) is met"), GoalReport("b", "g(2)", 1, "", 4900.0)])
     account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
+    account.dispatched(5000.1, ["_action_lib(go,y,412)"])
     account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
     assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
         ["412", "plan", "go y"],
         ["412", "request", "g(2)"],
         ["412", "goal", "g(2): under way"],
+        ["412", "action", "go y"],
         ["413", "update", "#step 413. :- not _action_lib(go,y,412). #end step."],
     ]
 

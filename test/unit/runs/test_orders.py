@@ -65,10 +65,8 @@ def test_orders_become_goals():
     "chosen",
     [
         {},
-        {"package": "1"},
         {"package": "2", "to": "office1"},
         {"package": "1", "to": "office9"},
-        {"package": 1, "to": "office1"},
         {"package": ["1"], "to": "office1"},
         {"package": "1", "to": "office1),cancel(1"},
     ],

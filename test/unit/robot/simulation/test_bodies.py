@@ -147,20 +147,3 @@ def test_bodies_can_be_placed_exactly_where_they_fit(seed, resolution, pillars, 
     shrunk = {key: 0.8 * np.array(value) for key, value in body.items()}
     robot = RobotSpec("a", pose, **{k: tuple(map(tuple, v)) if v.ndim else float(v) for k, v in shrunk.items()})
     Simulation(WorldSpec(OccupancyGrid(cells, resolution), (robot,), (), (obstacle,)))
-
-
-@pytest.mark.parametrize(
-    ("obstacle", "words"),
-    [
-        (ObstacleSpec("o", (math.nan, 1.0), 0.1), "finite"),
-        (ObstacleSpec("o", (1.0, 1.0), 0.1, Box(1.0, 1.0)), "either a positive radius"),
-        (ObstacleSpec("o", (1.0, 1.0), 0.0, Box(1.0, -1.0)), "must be positive"),
-        (ObstacleSpec("o", (1.0, 1.0), 0.0, Box(1.0, 1.0, math.nan)), "finite"),
-        (ObstacleSpec("o", (9.0, 1.0), 0.1), r"\(9, 1\) is off the map, which covers x 0 .. 3, y 0 .. 3"),
-    ],
-)
-def test_bodies_refuse_an_impossible_obstacle(obstacle, words):
-    world = Simulation(WorldSpec(walled(0, 0.05, 0), (RobotSpec("a", Pose2D(2.0, 2.0)),)))
-    with pytest.raises(WorldError, match=f"the obstacle 'o': .*{words}"):
-        world.put_obstacle(obstacle)
-    assert world.obstacles == {}

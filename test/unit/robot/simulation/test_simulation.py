@@ -8,11 +8,7 @@ from hypothesis import strategies as st
 from navigation_worlds import room, simulation
 
 from rosoclingo.robot.navigation import Pose2D
-from rosoclingo.robot.simulation import (
-    DoorSpec,
-    ObstacleSpec,
-    WorldError,
-)
+from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, WorldError
 
 COMMANDS = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-4.0, 4.0)), min_size=1, max_size=40)
 STRONG = {"max_speed": 5.0, "max_turn": 9.0, "acceleration": 1e6, "turn_acceleration": 1e6}
@@ -64,6 +60,11 @@ def test_simulation_refuses_unknown_or_impossible_changes():
         (lambda: world.set_door("gate", True), "gate"),
         (lambda: world.set_door("door", False), "the door 'door' would collide with robot"),
         (lambda: world.put_obstacle(ObstacleSpec("bin", (1.0, 1.0), radius=0.3)), "would collide"),
+        (lambda: world.put_obstacle(ObstacleSpec("o", (math.nan, 1.0), 0.1)), "the obstacle 'o': .*finite"),
+        (lambda: world.put_obstacle(ObstacleSpec("o", (3.0, 1.0), 0.1, Box(1.0, 1.0))), "either a positive radius"),
+        (lambda: world.put_obstacle(ObstacleSpec("o", (3.0, 1.0), 0.0, Box(1.0, -1.0))), "must be positive"),
+        (lambda: world.put_obstacle(ObstacleSpec("o", (3.0, 1.0), 0.0, Box(1.0, 1.0, math.nan))), "finite"),
+        (lambda: world.put_obstacle(ObstacleSpec("o", (9.0, 1.0), 0.1)), r"\(9, 1\) is off the map, which covers x 0 "),
         (lambda: world.remove_obstacle("crate"), "crate"),
         (lambda: world.command("rover", 0.0, 0.0), "rover"),
         (lambda: world.scan("robot_0"), "no laser"),
