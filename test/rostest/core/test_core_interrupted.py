@@ -44,31 +44,25 @@ def core(namespace, **parameters):
 
 
 def stat(pid):
-    """Return state and parent of a process, None if it does not exist."""
+    """Return the fields of a process in /proc from its state on; those of a dead one if it does not exist."""
     with suppress(OSError):
-        state, parent = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[:2]
-        return state, int(parent)
-    return None
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return ["Z", "0"]
 
 
 def children(node):
     """Return the process ids of a node's children."""
-    pid = process_of(node)
-    pids = [int(path.name) for path in Path("/proc").glob("[0-9]*")]
-    return [one for one in pids if (stat(one) or ("", 0))[1] == pid]
+    parent = str(process_of(node))
+    return [int(path.name) for path in Path("/proc").glob("[0-9]*") if stat(path.name)[1] == parent]
 
 
 def gone(pid):
-    return stat(pid) is None or stat(pid)[0] == "Z"
+    return stat(pid)[0] == "Z"
 
 
 def worked(node):
     """Return the processor time in seconds of each child of a node: an update is published only once it is in force."""
-    ticks = {}
-    for pid in children(node):
-        with suppress(OSError):
-            ticks[pid] = sum(map(int, Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]))
-    return {pid: number / os.sysconf("SC_CLK_TCK") for pid, number in ticks.items()}
+    return {pid: sum(map(int, stat(pid)[11:13])) / os.sysconf("SC_CLK_TCK") for pid in children(node)}
 
 
 @contextmanager

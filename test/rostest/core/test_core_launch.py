@@ -5,7 +5,6 @@ import contextlib
 import os
 import signal
 import sqlite3
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -20,68 +19,41 @@ from rosoclingo.msg import TaskPlan
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import ERRANDS, Client, ManualInterfaces, start_core
-from interface_helpers import PATIENCE, init_node, kill, process_of, wait_until
+from interface_helpers import PATIENCE, Process, init_node, kill, process_of, wait_until
 
 NODE = "/rosoclingo"
 
 
-class Launched:
-    """A roslaunch of core.launch; ``text`` is its output so far."""
+class Launch(Process):
+    """A command whose whole output is read."""
 
-    def __init__(self, folder, arguments):
-        self._log = Path(folder) / "roslaunch.log"
-        words = [f"{name}:={value}" for name, value in arguments.items()]
-        with self._log.open("wb") as log:
-            self._process = subprocess.Popen(
-                ["roslaunch", "rosoclingo", "core.launch", *words],
-                env={**os.environ, "ROS_HOME": str(folder)},
-                stdout=log,
-                stderr=log,
-                start_new_session=True,
-            )
-
-    @property
-    def text(self):
-        return self._log.read_text(errors="replace")
-
-    @property
-    def lives(self):
-        return self._process.poll() is None
-
-    @property
-    def starts(self):
-        """Return how often it has started the core."""
-        return self.text.count("process[rosoclingo-")
-
-    def ends(self):
-        """Wait until it has ended by itself, with all its children."""
-        self._process.wait(PATIENCE)
-        return self
-
-    def end(self):
-        """Press Ctrl-C, and kill it if it ignores that."""
-        try:
-            os.killpg(self._process.pid, signal.SIGINT)
-            self._process.wait(PATIENCE)
-        except ProcessLookupError:
-            pass
+    _pipe = "stdout"
 
 
 @contextlib.contextmanager
 def core_launch(**arguments):
-    """Start a roslaunch of core.launch."""
-    with tempfile.TemporaryDirectory() as folder:
-        launched = Launched(folder, arguments)
+    """Start a roslaunch of core.launch; Ctrl-C ends it."""
+    words = [f"{name}:={value}" for name, value in arguments.items()]
+    command = ("bash", "-c", 'exec roslaunch rosoclingo core.launch "$@" 2>&1', "core.launch", *words)
+    with tempfile.TemporaryDirectory() as folder, Launch(*command, ROS_HOME=folder) as launch:
         try:
-            yield launched
+            yield launch
         finally:
-            launched.end()
+            if launch.running:
+                launch.signal(signal.SIGINT)
+                launch.wait()
 
 
 class CoreLaunch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         init_node("core_launch_test")
+
+    def ends(self, launch, starts):
+        """Return the output of a roslaunch that ends by itself after so many starts of the core."""
+        text = launch.wait()[1]
+        self.assertEqual(text.count("process[rosoclingo-"), starts, text)
+        return text
 
     @staticmethod
     def wait_for_core():
@@ -91,14 +63,13 @@ class CoreLaunch(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
             file.write("#program base.\na(X).\n")
             file.flush()
-            with core_launch(programs=f"[{file.name}]") as launched:
-                text = launched.ends().text
-                self.assertEqual(launched.starts, 1, text)
+            with core_launch(programs=f"[{file.name}]") as launch:
+                text = self.ends(launch, starts=1)
         for words in (f"{file.name}:2", "unsafe", "a restart cannot help: ending roslaunch"):
             self.assertIn(words, text)
 
     def test_killed_core_resumes_until_its_name_is_taken(self):
-        with core_launch(programs=f"[{ERRANDS}]") as launched:
+        with core_launch(programs=f"[{ERRANDS}]") as launch:
             hands, client = ManualInterfaces(), Client()
             hands.wait_for(NODE)
             goal = client.send("do(walk,1)")
@@ -109,27 +80,23 @@ class CoreLaunch(unittest.TestCase):
             wait_until(lambda: hands.succeed(command) or CommState.DONE in goal.states, "the goal to end")
             goal.ends_as(GoalStatus.SUCCEEDED)
             self.assertEqual(len(set(hands.runs)), 1)
-            self.assertTrue(launched.lives)
-            self.assertEqual(launched.starts, 2)
+            self.assertTrue(launch.running)
             with start_core("/", journal="none"):
-                self.assertIn("new node registered with same name", launched.ends().text)
-            self.assertEqual(launched.starts, 2)
+                self.assertIn("new node registered with same name", self.ends(launch, starts=2))
 
     def test_refused_journal_ends_roslaunch(self):
-        with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launched:
+        with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launch:
             self.wait_for_core()
             with contextlib.closing(sqlite3.connect(str(Path(folder) / "journal.db"))) as journal, journal:
                 journal.execute("UPDATE header SET run = 'other'")
             os.kill(process_of(NODE), signal.SIGKILL)
-            self.assertIn("the header is missing or corrupt", launched.ends().text)
-            self.assertEqual(launched.starts, 2)
+            self.assertIn("the header is missing or corrupt", self.ends(launch, starts=2))
 
     def test_core_without_a_journal_ends_everything(self):
-        with core_launch(programs=f"[{ERRANDS}]", journal="none") as launched:
+        with core_launch(programs=f"[{ERRANDS}]", journal="none") as launch:
             self.wait_for_core()
             os.kill(process_of(NODE), signal.SIGKILL)
-            self.assertIn("REQUIRED process [rosoclingo-", launched.ends().text)
-            self.assertEqual(launched.starts, 1)
+            self.assertIn("REQUIRED process [rosoclingo-", self.ends(launch, starts=1))
 
 
 if __name__ == "__main__":

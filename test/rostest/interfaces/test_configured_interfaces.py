@@ -41,6 +41,7 @@ from interface_helpers import (
     executable,
     heard_log,
     init_node,
+    suite_of,
     values_of,
     wait_for_diagnosis,
     wait_until,
@@ -281,12 +282,7 @@ class InterfaceNode(unittest.TestCase):
             self.assertEqual(node.wait()[0], 0)
 
 
-class Suite(unittest.TestSuite):
-    def __init__(self):
-        super().__init__()
-        for case in (ConfiguredInterfaces, SubclassedInterface, InterfaceNode):
-            self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
-
+Suite = suite_of(ConfiguredInterfaces, SubclassedInterface, InterfaceNode)
 
 if __name__ == "__main__":
     rostest.rosrun("rosoclingo", "configured_interfaces", "test_configured_interfaces.Suite", sys.argv)

@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import PATIENCE, Process, executable, init_node, wait_to_hear
+from interface_helpers import PATIENCE, Process, executable, init_node, suite_of, wait_to_hear
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -254,17 +254,7 @@ class SimulatorParameters(unittest.TestCase):
         self.assertAlmostEqual(sent["anna/base_laser_link_1"].transform.translation.x, -0.1)
 
 
-class Suite(unittest.TestSuite):
-    """All of the file's cases, as one for rostest."""
-
-    def __init__(self):
-        super().__init__(
-            map(
-                unittest.defaultTestLoader.loadTestsFromTestCase,
-                (Maps, Localization, WrongParameters, SimulatorParameters),
-            )
-        )
-
+Suite = suite_of(Maps, Localization, WrongParameters, SimulatorParameters)
 
 if __name__ == "__main__":
     init_node("map_and_localization")

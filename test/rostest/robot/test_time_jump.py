@@ -23,7 +23,7 @@ from rosoclingo.reasoning.keywords import CORE
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import Client
-from interface_helpers import PATIENCE, init_node, kill, send_request, wait_for_server, wait_to_hear
+from interface_helpers import PATIENCE, init_node, kill, send_request, suite_of, wait_for_server, wait_to_hear
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 COMPILING = 500.0  # limit in seconds of wall time: a minute of computing, on any busy machine
@@ -146,12 +146,7 @@ class Killed(unittest.TestCase):
         self.assertEqual(self.place("1"), "office2")
 
 
-class Suite(unittest.TestSuite):
-    def __init__(self):
-        super().__init__()
-        for case in (FirstLaunch, Preemption, TimeJump, Killed):
-            self.addTests(unittest.defaultTestLoader.loadTestsFromTestCase(case))
-
+Suite = suite_of(FirstLaunch, Preemption, TimeJump, Killed)
 
 if __name__ == "__main__":
     folder = rospy.myargv()[1]

@@ -10,7 +10,6 @@ from occupied_grids import GRIDS, clearance_of, distance
 from rosoclingo.robot.navigation.compiled.clearance import (
     inflate,
     square_distance,
-    update_clearance,
 )
 
 
@@ -24,19 +23,6 @@ def test_compiled_clearance_is_distance_to_nearest_occupied_square(occupied, rea
             else:
                 expected = min(reach, distance(occupied, column + 0.5, row + 0.5))
                 assert abs(clearance[row, column] - expected) < 1e-4
-
-
-@given(GRIDS, st.data())
-def test_compiled_window_updates_the_clearance(occupied, data):
-    reach = 4.0
-    clearance = clearance_of(occupied, reach)
-    row = data.draw(st.integers(0, occupied.shape[0] - 1))
-    column = data.draw(st.integers(0, occupied.shape[1] - 1))
-    occupied[row, column] ^= 1
-    low_r, high_r = max(0, row - 5), min(occupied.shape[0], row + 6)
-    low_c, high_c = max(0, column - 5), min(occupied.shape[1], column + 6)
-    update_clearance(occupied, reach, low_r, high_r, low_c, high_c, clearance)
-    assert np.array_equal(clearance, clearance_of(occupied, reach))
 
 
 @given(GRIDS, st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(0.5, 4.0))

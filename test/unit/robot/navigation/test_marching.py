@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from occupied_grids import GRIDS, clearance_of, distance, open_cells
 from scipy.ndimage import label
 
-from rosoclingo.robot.navigation.compiled.clearance import update_open
+from rosoclingo.robot.navigation.compiled.clearance import update_clearance, update_open
 from rosoclingo.robot.navigation.compiled.marching import descend, ease, march, thin
 
 RADII = st.floats(0.3, 3.0)
@@ -26,16 +26,22 @@ def test_march_open_cell_has_a_clear_raster_point(occupied, radius):
 
 
 @given(GRIDS, RADII, st.data())
-def test_march_window_updates_open_cells(occupied, radius, data):
-    out = open_cells(occupied, radius)
+def test_march_window_updates_clearance_and_open_cells(occupied, radius, data):
+    reach = 4.0
+    clearance, out = clearance_of(occupied, reach), open_cells(occupied, radius, reach)
     row = data.draw(st.integers(0, occupied.shape[0] - 1))
     column = data.draw(st.integers(0, occupied.shape[1] - 1))
     occupied[row, column] ^= 1
-    span, closed = math.ceil(radius) + 2, np.zeros(occupied.shape, dtype=bool)
-    rows = max(0, row - span), min(occupied.shape[0], row + span + 1)
-    columns = max(0, column - span), min(occupied.shape[1], column + span + 1)
-    update_open(clearance_of(occupied, 8.0), occupied, closed, radius, *rows, *columns, out)
-    assert np.array_equal(out, open_cells(occupied, radius))
+
+    def window(span):
+        rows = max(0, row - span), min(occupied.shape[0], row + span + 1)
+        return (*rows, max(0, column - span), min(occupied.shape[1], column + span + 1))
+
+    update_clearance(occupied, reach, *window(5), clearance)
+    assert np.array_equal(clearance, clearance_of(occupied, reach))
+    closed = np.zeros(occupied.shape, dtype=bool)
+    update_open(clearance, occupied, closed, radius, *window(math.ceil(radius) + 2), out)
+    assert np.array_equal(out, open_cells(occupied, radius, reach))
 
 
 def costs_on(occupied):
