@@ -273,8 +273,9 @@ class Process:
 
     _pipe = "stderr"
 
-    def __init__(self, *command, **environment):
-        settings = {"env": {**os.environ, "PYTHONUNBUFFERED": "1", **environment}, self._pipe: subprocess.PIPE}
+    def __init__(self, *command, cwd=None, **environment):
+        variables = {**os.environ, "PYTHONUNBUFFERED": "1", **environment}
+        settings = {"cwd": cwd, "env": variables, self._pipe: subprocess.PIPE}
         self._process = subprocess.Popen(command, text=True, start_new_session=True, **settings)
 
     @property
@@ -319,10 +320,14 @@ class Process:
         self._process.communicate()
 
 
-class CommandProcess(Process):
-    """One of the package's commands, whose standard output is read."""
+class OutputProcess(Process):
+    """A command whose standard output is read."""
 
     _pipe = "stdout"
+
+
+class CommandProcess(OutputProcess):
+    """One of the package's commands, whose standard output is read."""
 
     def __init__(self, name, *words, **environment):
         super().__init__(executable(name), *words, **environment)

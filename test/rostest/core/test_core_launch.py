@@ -19,15 +19,9 @@ from rosoclingo.msg import TaskPlan
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from core_helpers import ERRANDS, Client, ManualInterfaces, start_core
-from interface_helpers import PATIENCE, Process, init_node, kill, process_of, wait_until
+from interface_helpers import PATIENCE, OutputProcess, init_node, kill, process_of, wait_until
 
 NODE = "/rosoclingo"
-
-
-class Launch(Process):
-    """A command whose whole output is read."""
-
-    _pipe = "stdout"
 
 
 @contextlib.contextmanager
@@ -35,7 +29,7 @@ def core_launch(**arguments):
     """Start a roslaunch of core.launch; Ctrl-C ends it."""
     words = [f"{name}:={value}" for name, value in arguments.items()]
     command = ("bash", "-c", 'exec roslaunch rosoclingo core.launch "$@" 2>&1', "core.launch", *words)
-    with tempfile.TemporaryDirectory() as folder, Launch(*command, ROS_HOME=folder) as launch:
+    with tempfile.TemporaryDirectory() as folder, OutputProcess(*command, ROS_HOME=folder) as launch:
         try:
             yield launch
         finally:

@@ -104,7 +104,7 @@ class TimeJump(unittest.TestCase):
         self.assertEqual(driver.end(), (SUCCEEDED, "Goal reached."))
         self.assertLess(driver.distance(4.0, 0.0), 0.2)
         rospy.sleep(0.1)
-        self.assertLess(rospy.get_time(), cancelled + 60.0)
+        self.assertLess(rospy.get_time(), cancelled + 900.0, "the goals to come are stamped before the cancel")
         self.assertEqual(driver.drive(3.0, 0.0)[0], SUCCEEDED)
         self.assertEqual(driver.collisions, [])
         self.assertEqual(pickup.send_goal_and_wait(PickupGoal(package="1")), ABORTED, "package 1 is not here")

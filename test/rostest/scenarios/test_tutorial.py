@@ -6,10 +6,8 @@ import os
 import re
 import shlex
 import signal
-import subprocess
 import sys
 import tempfile
-import threading
 import unittest
 from pathlib import Path
 
@@ -20,10 +18,9 @@ from actionlib_msgs.msg import GoalStatusArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from interface_helpers import executable
+from interface_helpers import PATIENCE, OutputProcess, Process, executable
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
-PATIENCE = 300.0  # seconds of wall time for one command
 STAYING = ("roslaunch", "python3")  # these commands run in separate terminals, until the end
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODES = {"canceled": 2, "rejected": 3, "aborted": 4}  # of the exit, by the last printed word
@@ -34,12 +31,17 @@ def without_cycles(line):
     return re.sub(r"cycle \d+", "cycle N", line.rstrip())
 
 
+def is_late(line):
+    """Return whether a line says that the simulator comes later, as on a slow machine."""
+    return line.startswith("ROS time has not begun")
+
+
 class Tutorial(unittest.TestCase):
     def setUp(self):
         self.stack = contextlib.ExitStack()
         self.addCleanup(self.stack.close)
         self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
-        self.environment = dict(os.environ, PYTHONUNBUFFERED="1")
+        self.environment = {}
 
     def test_tutorial_shows_the_real_output(self):
         files, commands, end = [], 0, 0
@@ -68,16 +70,14 @@ class Tutorial(unittest.TestCase):
                 name, value = words[1].split("=")
                 self.environment[name] = value.replace("$PWD", self.folder).replace(f"${name}", os.environ[name])
             elif words[0] in STAYING:
-                self.stack.callback(self.end, self.start(words))
+                terminal = ("bash", "-c", 'exec "$@" 2>&1', "terminal", *words)  # nobody reads its errors
+                process = self.stack.enter_context(Process(*terminal, cwd=self.folder, **self.environment))
+                self.stack.callback(self.end, process)
                 if words[0] == "roslaunch":
                     rospy.wait_for_message("rosoclingo/status", GoalStatusArray, PATIENCE)
             else:
                 self.compare(command, shown, *self.output(words, interrupted="^C" in shown))
         return len(parts)
-
-    def start(self, words, **options):
-        """Start a command in a terminal of its own."""
-        return subprocess.Popen(words, cwd=self.folder, env=self.environment, start_new_session=True, **options)
 
     def compare(self, command, shown, code, lines):
         """Check that the shown lines come in this order, with others only at three dots."""
@@ -90,28 +90,20 @@ class Tutorial(unittest.TestCase):
 
     def output(self, words, interrupted):
         """Return exit code and printed lines; press Ctrl-C after the first line, if the page does so."""
-        process = self.start(words, stdout=subprocess.PIPE, text=True)
-        alarm = threading.Timer(PATIENCE, os.killpg, (process.pid, signal.SIGKILL))
-        alarm.start()
-        lines = []
-        for line in process.stdout:
-            if line.startswith("ROS time has not begun"):  # on a slow machine the simulator comes later
-                continue
-            lines.append(line.rstrip())
-            if interrupted and len(lines) == 1:
-                os.killpg(process.pid, signal.SIGINT)
-        code = process.wait()
-        alarm.cancel()
-        return code, lines
+        with OutputProcess(*words, cwd=self.folder, **self.environment) as process:
+            lines = process.lines_until("") if interrupted else []
+            while lines and is_late(lines[-1]):
+                lines = process.lines_until("")
+            if interrupted:
+                process.signal(signal.SIGINT)
+            code, rest = process.wait()
+        return code, [line.rstrip() for line in [*lines, *rest.splitlines()] if not is_late(line)]
 
     @staticmethod
     def end(process):
         """Press Ctrl-C in a terminal, and wait."""
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(PATIENCE)
-        finally:
-            process.kill()
+        process.signal(signal.SIGINT)
+        process.wait()
 
 
 if __name__ == "__main__":
