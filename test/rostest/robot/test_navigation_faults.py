@@ -113,6 +113,15 @@ class NavigationFaults(unittest.TestCase):
             self.assertEqual(status, ABORTED)
             self.assertIn(words, text)
 
+    def test_robot_takes_detour_when_door_closes_on_its_way(self):
+        self.driver.send(pose_goal(9.9, 0.0))
+        self.driver.wait(lambda: self.driver.pose[0] > 4.0)
+        self.assertTrue(self.door("corridor", False).success)
+        south = []
+        self.driver.wait(lambda: south.append(self.driver.pose[1]) or min(south) < -1.3)
+        self.assertEqual(self.driver.end()[0], SUCCEEDED)
+        self.assertLess(self.driver.distance(9.9, 0.0), 0.2)
+
     def test_lost_laser_stops_robot_and_ends_goal(self):
         self.lose("base_scan", "laser is lost")
 
