@@ -1,5 +1,6 @@
 """The log lines of a run, in causal order."""
 
+import math
 from typing import Callable, Iterable, List, NamedTuple, Optional, Set
 
 #: Limit in seconds of the run's clock that a line waits for its predecessors: topics have no common order.
@@ -53,7 +54,9 @@ class RunLog:
         while line is not None:
             self._held.remove(line)
             self._given.update({line.gives, BEGUN} if line.kind == "plan" else {line.gives})
-            self._pass_on(line)
+            self.cycle = line.cycle or self.cycle
+            self._now = max(self._now, line.time)
+            self._enter(self._now, max(1, self.cycle), line.kind, line.text, line.details)
             line = self._ready(time)
 
     def _ready(self, time: float) -> Optional[_Line]:
@@ -61,11 +64,4 @@ class RunLog:
 
     def finish(self) -> None:
         """Write all waiting lines."""
-        held, self._held = self._held, []
-        for line in held:
-            self._pass_on(line)
-
-    def _pass_on(self, line: _Line) -> None:
-        self.cycle = line.cycle or self.cycle
-        self._now = max(self._now, line.time)
-        self._enter(self._now, max(1, self.cycle), line.kind, line.text, line.details)
+        self.clock(math.inf)

@@ -19,27 +19,13 @@ POSES = 5000
 Point = Tuple[float, float]
 
 
-def simplify(points: Sequence[Point], tolerance: float = 0.03) -> List[Point]:
-    """Return the points of a path (m) without points close to the line between others (Douglas and Peucker)."""
-    kept, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
-    while spans:
-        first, last = spans.pop()
-        if last - first < 2:
-            continue
-        far, at = max((_off(points[at], points[first], points[last]), at) for at in range(first + 1, last))
-        if far > tolerance:
-            kept.add(at)
-            spans += [(first, at), (at, last)]
-    return [points[at] for at in sorted(kept)] if points else []
-
-
-def _off(point: Point, start: Point, end: Point) -> float:
-    """Return the distance of a point from the line between two others."""
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    length = dx * dx + dy * dy
-    along = ((point[0] - start[0]) * dx + (point[1] - start[1]) * dy) / length if length else 0.0
-    along = min(1.0, max(0.0, along))
-    return math.hypot(point[0] - start[0] - along * dx, point[1] - start[1] - along * dy)
+def thinned(points: Sequence[Point], apart: float = 0.2) -> List[Point]:
+    """Return the points of a path that are at least ``apart`` metres from the previous one, and its end."""
+    kept: List[Point] = []
+    for point in points:
+        if not kept or math.dist(point, kept[-1]) >= apart:
+            kept.append(point)
+    return [*kept, *points[-1:]] if kept[-1:] != points[-1:] else kept
 
 
 class Revision:

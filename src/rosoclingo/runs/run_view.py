@@ -37,13 +37,10 @@ from rosoclingo.runs.events import (
 )
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
-from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, simplify
+from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, thinned
 from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
-
-#: The version of the format of :meth:`RunView.changes`.
-FORMAT = 3
 
 #: Limit of characters of an external text on a page.
 SHOWN = 2000
@@ -329,7 +326,7 @@ class RunView(RunEvents):
     def path(self, time: float, points: Sequence[Tuple[float, float]]) -> None:
         """Record the robot's planned path."""
         finite = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
-        kept = [[round(x, 2), round(y, 2)] for x, y in simplify(finite)]
+        kept = [[round(x, 2), round(y, 2)] for x, y in thinned(finite)]
         now, last = self._now(time), self.tables["paths"].last
         if last is None or last["points"][-1:] != kept[-1:] or now - last["time"] >= PATHS_APART:
             self.tables["paths"].add(time=now, points=kept)
@@ -429,7 +426,6 @@ class RunView(RunEvents):
     def changes(self, revision: int = 0) -> Record:
         """Return the changes since a revision: records by table and number, and the present revision."""
         return {
-            "format": FORMAT,
             "revision": self._revision.number,
             "seconds": round(self.seconds, 2),
             "about": self.about if self._about_changed > revision else None,
