@@ -35,6 +35,10 @@ def found():
     return None
 
 
+class NavigatedError(Exception):
+    """The page of a call was replaced by another one before its answer."""
+
+
 class Browser:
     """One page in its own browser; for a with statement. ``faults`` are errors of the page's scripts."""
 
@@ -87,6 +91,8 @@ class Browser:
         while True:
             answer = self._read()
             if answer.get("id") == number:
+                if "navigated" in answer.get("error", {}).get("message", ""):
+                    raise NavigatedError(method)
                 assert "error" not in answer, f"{method}: {answer['error']}"
                 return answer["result"]
 
@@ -128,6 +134,12 @@ class Browser:
         self.call("Page.navigate", url=address)
         self.wait_for(f"location.href === {json.dumps(address)} && document.readyState === 'complete'")
 
+    def reload(self):
+        """Load the page again and wait until it has loaded."""
+        self.run("window.isOld = true")
+        self.call("Page.reload")
+        self.wait_for("window.isOld === undefined && document.readyState === 'complete'")
+
     def run(self, script):
         """Return the value of an expression on the page."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
@@ -135,8 +147,14 @@ class Browser:
         return answer["result"].get("value")
 
     def wait_for(self, script):
-        """Wait until an expression on the page holds, and return its value."""
-        return self._wait_for(lambda: self.run(script))
+        """Wait until an expression on the page holds, also while another page loads, and return its value."""
+
+        def value():
+            with suppress(NavigatedError):
+                return self.run(script)
+            return None
+
+        return self._wait_for(value)
 
     def text(self, selector):
         """Return the visible text of the first element of a selector."""

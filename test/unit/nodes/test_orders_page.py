@@ -115,7 +115,7 @@ def test_page_keeps_own_orders_after_a_reload(desk):
     desk.says("Ordered: Deliver: 1, office2")
     desk.served.do(lambda view: view.goal(141.0, "order 1", "goal(office1,office2,1)"))
     desk.served.do(lambda view: view.goal(141.0, "other", "goal(office1,office2,9)"))
-    desk.page.run("location.reload()")
+    desk.page.reload()
     desk.mine("goal(office1,office2,1); new; ; Cancel\nWhy?")
     assert desk.page.texts("#messages .message") == []
 
