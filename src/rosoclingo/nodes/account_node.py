@@ -82,4 +82,4 @@ class AccountNode:
 
     def _take(self, time: float, topic: str, message: Any) -> None:
         if not self._topics.is_too_soon(topic, time):
-            self._topics.takes[topic](time, message)
+            self._topics.pass_on(topic, time, message)

@@ -1,6 +1,6 @@
 """Converts the messages of a core's topics, live or from a bag, to the events of a run."""
 
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional, Tuple
 
 from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
@@ -35,9 +35,12 @@ TYPES = {
     "/rosout": "rosgraph_msgs/Log",
 }
 
+#: Topics whose last message is a part of the present state.
+STATE = ("~program", "~goals", "~state", "~mode", "~task_plan", "packages")
+
 
 class RunTopics:
-    """Passes messages of a core's topics to ``events``, which can be replaced.
+    """Passes messages of a core's topics to ``events``.
 
     ``takes`` maps each topic, with a name for :func:`full_name`, to a function of the time and a message.
     """
@@ -45,6 +48,7 @@ class RunTopics:
     def __init__(self, events: RunEvents, core: str = "/rosoclingo") -> None:
         self.events = events
         self._core = core
+        self._latest: Dict[str, Tuple[float, Any]] = {}  # the last message of each topic of STATE, with its time
         self._pose = PoseTopics(lambda time, pose, robot: self.events.pose(time, *pose, robot))
         self.takes: Dict[str, Callable[[float, Any], None]] = {
             "~program": lambda time, message: self.events.program(time, message.data),
@@ -67,6 +71,18 @@ class RunTopics:
     def full(self, name: str) -> str:
         """Return the absolute name of a topic of ``takes``."""
         return full_name(name, self._core)
+
+    def pass_on(self, name: str, time: float, message: Any) -> None:
+        """Pass on a message of a topic of ``takes``."""
+        if name in STATE:
+            self._latest[name] = time, message
+        self.takes[name](time, message)
+
+    def restart(self, events: RunEvents) -> None:
+        """Pass the present state, and all further messages, to other ``events``."""
+        self.events = events
+        for name, (time, message) in self._latest.items():
+            self.takes[name](time, message)
 
     def is_too_soon(self, name: str, time: float) -> bool:
         """Return whether to skip a message of a pose topic, soon after the previous one."""

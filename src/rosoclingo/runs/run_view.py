@@ -64,7 +64,7 @@ _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 #: Limit of lasers whose scans are shown.
 MOST_SCANS = 20
 
-#: Limit of records of all tables together, above which a live page keeps only open goals.
+#: Limit of records of all tables together, above which a live page begins again with the present state.
 MOST = 50000
 
 
@@ -398,30 +398,8 @@ class RunView(RunEvents):
 
     @property
     def full(self) -> bool:
-        """Whether the tables have more than MOST records, see :meth:`successor`."""
+        """Whether the tables have more than MOST records."""
         return sum(map(len, self.tables.values())) > MOST
-
-    def successor(self) -> "RunView":
-        """Return a view that continues with the open goals and the present state only."""
-        fresh = RunView(self.about)
-        start = self._start or 0.0
-        fresh.begin(self._run)
-        fresh.drawings, fresh.sentences, fresh.mode_word = self.drawings, self.sentences, self.mode_word
-        fresh._met, fresh._history = self._met, {*self._history, *self._goals}
-        for goal in (record for record in self.tables["goals"] if record["ended"] is None):
-            fresh.goal(start + goal["sent"], goal["id"], goal["request"])
-            for time, word, reason, details in goal["states"][1:]:
-                fresh._state(start + time, goal["id"], word, details or reason)
-        fresh.clock(start + self.seconds)
-        places = self.tables["packages"].last
-        if places is not None:
-            fresh.packages(start + self.seconds, places["places"])
-        for robot, pose in {one["robot"]: one for one in self.tables["poses"]}.items():
-            x, y, yaw = pose["pose"]
-            fresh.pose(start + pose["time"], x, y, yaw, robot)
-        if self.tables["beliefs"].last is not None:
-            fresh.beliefs(start + self.seconds, self.tables["beliefs"].last["cycle"], self.believed)
-        return fresh
 
     def changes(self, revision: int = 0) -> Record:
         """Return the changes since a revision: records by table and number, and the present revision."""

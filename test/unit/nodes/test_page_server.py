@@ -157,12 +157,10 @@ def test_server_sends_whole_view_then_changes_then_another_view(served):
         assert [number for number, _ in more["goals"]] == [1]
         served.extra = {"core": False}
         assert (await next_message(client))["core"] is False
-        served.view = served.view.successor()
+        served.view = RunView(served.view.about)
         found = await next_message(client)
         assert found["whole"]
-        assert [goal["request"] for _, goal in found["goals"]] == ["g(b)"]
-        assert found["about"]["title"] == "A delivery"
-        assert found["packages"][0][1]["places"] == [["1", "office1"], ["2", "office1"]]
+        assert (found["goals"], found["about"]["title"]) == ([], "A delivery")
 
     play(scene())
 

@@ -174,7 +174,7 @@ def test_view_keeps_drawings_when_they_change():
     view.goal(10.0, "a", "g(1)")
     view.beliefs(11.0, 1, ["shut(a,b,now)"])
     view.program(0.0, floor())  # after the beliefs
-    assert drawn(view) == drawn(view.successor()) == [(1.0, [WAY, SHUT])]
+    assert drawn(view) == [(1.0, [WAY, SHUT])]
 
 
 def test_view_of_restarted_core_begins_with_cycle_1():
@@ -205,33 +205,6 @@ def test_view_goals_of_vanished_core_are_lost_unless_reported():
     assert view.changes(known)["goals"] == [(0, first)], "also of an earlier record"
 
 
-def test_view_does_not_bring_back_dropped_entries():
-    view = RunView()
-    view.goals(9.0, [])
-    view.goals(10.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 1, "", 9.5)])
-    assert len(records(view.changes(), "goals")) == 2
-    fresh = view.successor()
-    fresh.goals(11.0, [GoalReport("a", "g(1)", 3, "", 9.5), GoalReport("b", "g(2)", 3, "", 9.5)])
-    assert [(goal["id"], goal["ended"]) for goal in records(fresh.changes(), "goals")] == [("b", 1.5)]
-
-
-def test_view_that_continues_has_only_open_goals():
-    view = delivery()
-    view.begin("one")
-    view.goal(140.0, "b", "g(b)")
-    view.status(141.0, "b", 0, "much to do")
-    view.clock(150.0)
-    fresh = view.successor()
-    found = fresh.changes()
-    (goal,) = records(found, "goals")
-    assert (goal["request"], goal["states"][-1]) == ("g(b)", [1.0, "waiting", "much to do", ""])
-    assert (found["about"], found["cycles"], found["actions"]) == (view.about, [], [])
-    assert records(found, "packages")[0]["places"] == [("1", "office1"), ("2", "office1")]
-    assert records(found, "poses")[-1]["pose"] == [5.0, 1.0, 0.0]
-    fresh.status(151.0, "b", 3, "")
-    assert goal["ended"] == 11.0
-
-
 def test_view_has_a_limited_size(monkeypatch):
     monkeypatch.setattr(run_view, "MOST", 200)
     view = RunView()
@@ -241,7 +214,6 @@ def test_view_has_a_limited_size(monkeypatch):
         view.goal(float(number), str(number), f"g({number})")
         view.status(float(number), str(number), 3, "")
     assert view.full
-    assert not view.successor().full
 
 
 def test_view_labels_come_with_the_program():
@@ -315,8 +287,6 @@ def test_view_rewords_goals_and_actions_with_the_program():
     assert (action["words"], action["deed"], action["kind"]) == ("r1 goes to hall", "goes to hall", "goes to …")
     assert (action["term"], action["robots"]) == ("_action_lib(go(r1),room,1)", ["r1"])
     assert more["about"]["titles"] == {"room": "hall"}
-    fresh = view.successor().changes()
-    assert [(one["words"], one["request"]) for one in records(fresh, "goals")] == [("Clean the hall", "g(room)")]
     view.program(13.0, program.text())
     assert [records(view.changes(more["revision"]), name) for name in ("goals", "words")] == [[], []]
 

@@ -2,14 +2,13 @@
 
 import hmac
 import threading
-from collections import OrderedDict
 from typing import Any, Callable, Dict, Mapping, Sequence, Union
 
 from rosoclingo.runs.orders import OrderError, OrderForm
 from rosoclingo.runs.run_view import RunView
 
-#: Limits of open and of remembered goals of pages (open goals are always remembered), and of characters of a key.
-MOST_OPEN, MOST_KNOWN, LONGEST_KEY = 50, 1000, 100
+#: Limits of open goals of pages, and of characters of a key.
+MOST_OPEN, LONGEST_KEY = 50, 100
 
 #: Limits of explanations and of commands that wait for the core.
 MOST_ASKED, MOST_COMMANDS = 2, 4
@@ -29,12 +28,13 @@ class OrderDesk:
 
     def __init__(self, forms: Sequence[OrderForm], core: Any) -> None:
         self._forms, self._core = forms, core
-        self._keys: OrderedDict[str, str] = OrderedDict()  # by the goal's id
+        self._keys: Dict[str, str] = {}  # of open goals, by the goal's id
         self._asked = threading.BoundedSemaphore(MOST_ASKED)
         self._commands = threading.BoundedSemaphore(MOST_COMMANDS)
 
     def describe(self, view: RunView) -> Sequence[Dict[str, Any]]:
-        """Return the forms for a page."""
+        """Return the forms for a page; call this often, as it also forgets the orders that have ended."""
+        self._forget_ended(view)
         return [form.describe(*_world(view), view.sentences.titles) for form in self._forms]
 
     def take(self, message: Mapping[str, Any], view: RunView) -> Taken:
@@ -68,11 +68,9 @@ class OrderDesk:
         if form.is_fact:
             self._core.report(text)
             return {"reported": text, "text": text, "words": words}
-        still = [one for one in self._keys if not view.has_ended(one)]  # the view can lack a goal that was just sent
-        if len(still) >= MOST_OPEN:
+        self._forget_ended(view)
+        if len(self._keys) >= MOST_OPEN:
             raise OrderError("too many orders are open: wait until some have ended")
-        for one in [one for one in self._keys if view.has_ended(one)][: max(0, len(self._keys) + 1 - MOST_KNOWN)]:
-            del self._keys[one]
         found = self._core.send(text)
         self._keys[found] = key
         return {"ordered": found, "text": text, "words": words}
@@ -80,9 +78,13 @@ class OrderDesk:
     def _withdraw(self, found: Any, key: str) -> Answer:
         known = self._keys.get(found) if isinstance(found, str) else None
         if known is None or not hmac.compare_digest(_bytes(known), _bytes(key)):
-            raise OrderError("this page did not send that order")
+            raise OrderError("this page did not send that order, or it has ended")
         self._core.cancel(found)
         return {"canceled": found}
+
+    def _forget_ended(self, view: RunView) -> None:
+        """Forget ended goals; the view can lack a goal that was just sent."""
+        self._keys = {one: key for one, key in self._keys.items() if not view.has_ended(one)}
 
     def _command(self, message: Mapping[str, Any]) -> Callable[[], Answer]:
         """Return the function that executes a command: ``pause`` with true or false, or ``stop`` with true."""

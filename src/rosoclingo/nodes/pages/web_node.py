@@ -105,7 +105,7 @@ class WebNode:
         if name == "/diagnostics":
             self._server.put(lambda: self._take_health(message))
         elif not self._topics.is_too_soon(name, now):
-            self._server.put(lambda: self._topics.takes[name](now, message))
+            self._server.put(lambda: self._topics.pass_on(name, now, message))
 
     def _on_scan(self, topic: str, message: Any) -> None:
         now = rospy.get_time()
@@ -116,7 +116,8 @@ class WebNode:
         self._view.clock(rospy.get_time())
         self._scans.check()
         if self._view.full:
-            self._topics.events = self._view = self._view.successor()
+            self._view = RunView(self._view.about)
+            self._topics.restart(self._view)
         plan = self._subscribers.get("~task_plan")
         core = plan is not None and plan.get_num_connections() > 0
         state = {"core": core, "mode": self._view.mode_word, "health": self._described_health()}

@@ -45,7 +45,7 @@ def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[
             if not reader.is_too_soon(name, time):
                 message = kind()
                 message.deserialize(data)
-                reader.takes[name](time, message)
+                reader.pass_on(name, time, message)
 
 
 def _found(name: str, topic: str, topics: Set[str]) -> str:
