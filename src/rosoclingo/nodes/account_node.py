@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from queue import Empty, SimpleQueue
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Tuple
 
 import rospy
 from genpy.message import get_message_class
@@ -10,7 +10,6 @@ from genpy.message import get_message_class
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.nodes.run_topics import PATHS, TYPES, RunTopics
 from rosoclingo.runs.account import Account
-from rosoclingo.runs.sentences import Sentences
 from rosoclingo.runs.topic_names import USUAL, full_name
 
 #: The topics of an account, with names for :func:`full_name`, and their types.
@@ -21,13 +20,9 @@ CORE_TOPICS = ("out_rosoclingo", "~goals", "~updates", "~task_plan")
 
 
 class AccountNode:
-    """Prints the account of a core from now on; ``words`` are the sentences of its program.
+    """Continues the ``account`` of a core's run from now on.
 
-    ``with_state`` adds the program's beliefs. Messages are handled, and lines printed, by the thread that calls the
-    methods; call :meth:`tick` often.
-
-    Attributes:
-        account: the account up to the last tick.
+    Messages are handled, and lines printed, by the thread that calls the methods; call :meth:`tick` often.
 
     Subscribes:
         CORE/program, CORE/mode (std_msgs/String), CORE/goals (rosoclingo/GoalStates), CORE/state (rosoclingo/State)
@@ -38,18 +33,10 @@ class AccountNode:
 
     """
 
-    def __init__(
-        self,
-        say: Callable[[str], None],
-        with_state: bool = False,
-        core: str = USUAL,
-        words: Optional[Sentences] = None,
-    ) -> None:
-        self.account = Account(say, with_state=with_state)
-        self._topics = RunTopics(self.account)
+    def __init__(self, account: Account, core: str = USUAL) -> None:
+        self._account = account
+        self._topics = RunTopics(account)
         self._arrived: SimpleQueue[Tuple[float, str, Any]] = SimpleQueue()
-        if words is not None:
-            self.account.sentences = words
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), get_message_class(kind), self._on_message, callback_args=topic, queue_size=None
@@ -70,12 +57,12 @@ class AccountNode:
             self._take(*self._arrived.get(timeout=wait))
             while True:
                 self._take(*self._arrived.get_nowait())
-        self.account.clock(rospy.get_time())
+        self._account.clock(rospy.get_time())
 
     def finish(self) -> None:
         """End the account: print delayed lines."""
         self.tick()
-        self.account.finish()
+        self._account.finish()
 
     def _on_message(self, message: Any, topic: str) -> None:
         self._arrived.put((rospy.get_time(), topic, message))

@@ -68,8 +68,9 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     name = rospy.resolve_name(core or USUAL)
     if not core:
         name = chosen_core(rospy.get_published_topics(), name)
-    words = words_of(name)  # first, as the first line can be about an action
-    node, beginning = AccountNode(say, with_state, name, words), Beginning()
+    account = Account(say, with_state=with_state)
+    account.sentences = words_of(name)  # first, as the first line can be about an action
+    node, beginning = AccountNode(account, name), Beginning()
     try:
         while not rospy.is_shutdown():
             node.tick(_TURN)
@@ -79,7 +80,7 @@ def watch_system(core: Optional[str], with_state: bool, say: Say) -> None:
     except KeyboardInterrupt:
         pass
     node.finish()
-    _conclude(node.account, say)
+    _conclude(account, say)
 
 
 def _conclude(account: Account, say: Say) -> None:

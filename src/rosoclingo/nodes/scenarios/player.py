@@ -3,20 +3,19 @@
 import time
 from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import genpy
 import rospy
 import rosservice
 from actionlib_msgs.msg import GoalStatusArray
 from clingo import Symbol
-from std_msgs.msg import String
 
-from rosoclingo.msg import TaskPlan
 from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.core_connection import CoreConnection
 from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.orders import OrderError
 from rosoclingo.runs.scenario import Scenario, ScenarioEvent
 from rosoclingo.runs.topic_names import USUAL, full_name
@@ -39,16 +38,62 @@ class PlayError(RuntimeError):
     """A scenario that could not be played to its end; the text has the reason."""
 
 
+class PlayedRun(Account):
+    """The account of a run in which a scenario is played, with the cycles of the core and of the scenario.
+
+    Attributes:
+        begun: the times of the core's cycles, by their first plans.
+        plans: the number of plans.
+        before: the number of the core's cycles before the scenario's first update, which starts its cycle 1; None until
+            that update has arrived.
+
+    """
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        super().__init__(say)
+        self.begun: Dict[int, float] = {}
+        self.plans = 0
+        self.before: Optional[int] = None
+        self._opening: Optional[float] = None
+
+    def begin_scenario(self, time: float) -> None:
+        """Begin the scenario."""
+        self._opening, self.before = time, None
+        self.begun = dict.fromkeys(self.begun, time)
+
+    def plan(
+        self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
+    ) -> None:
+        """Record a plan."""
+        super().plan(time, cycle, horizon, actions, times)
+        self.begun.setdefault(cycle, time)
+        self.plans += 1
+
+    def update(self, time: float, text: str) -> None:
+        """Record an accepted stream update."""
+        super().update(time, text)
+        if self._opening is not None and self.before is None:
+            with suppress(OclingoError):
+                step = parse_update(text).step
+                self.before = None if step is None else step - 1
+
+    @property
+    def cycles(self) -> Dict[int, float]:
+        """The scenario's cycles, each with the seconds from the scenario's beginning until it began."""
+        found: Dict[int, float] = {}
+        for cycle, moment in sorted(self.begun.items()):
+            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - (self._opening or 0.0))
+        return found
+
+
 class ScenarioPlayer:
     """Plays one scenario against a running system.
 
     Attributes:
         account: the account of the run, which is printed meanwhile.
         goals: the goals of the scenario by actionlib's ids; goals of an earlier scenario can end in the same account.
-        before: number of the core's cycles before the scenario's first update, which starts its cycle 1.
 
     Subscribes:
-        rosoclingo/task_plan (rosoclingo/TaskPlan), rosoclingo/updates (std_msgs/String): the cycles of events.
         NAME/status (actionlib_msgs/GoalStatusArray): of each required action server in ``wait_for``.
     Publishes:
         rosoclingo/goal (rosoclingo/ROSoClingoActionGoal), rosoclingo/cancel (actionlib_msgs/GoalID)
@@ -70,17 +115,11 @@ class ScenarioPlayer:
         self._scenario = scenario
         self._say = say
         self._check = check
-        self._node = AccountNode(say)
-        self.account = self._node.account
-        self._connection = CoreConnection(partial(full_name, core=rospy.resolve_name(USUAL)))
-        self._begun: Dict[int, float] = {}
-        self._start: Optional[float] = None
-        self.before: Optional[int] = None  # until an update has arrived
-        self._plans = 0  # received so far
-        self._core = ""  # the name of the core's node, from its plans
+        self.account = PlayedRun(say)
+        self._node = AccountNode(self.account)
+        self._core = rospy.resolve_name(USUAL)
+        self._connection = CoreConnection(partial(full_name, core=self._core))
         self._missing = set(wait_for)
-        rospy.Subscriber("rosoclingo/task_plan", TaskPlan, self._on_plan)
-        rospy.Subscriber("rosoclingo/updates", String, self._on_update)
         for name in wait_for:
             rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
         self.goals: Dict[str, str] = {}
@@ -96,7 +135,7 @@ class ScenarioPlayer:
         self.wait_until(
             lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
         )
-        self.wait_until(lambda: bool(self._begun), timeout, lambda: "no plan on rosoclingo/task_plan")
+        self.wait_until(lambda: bool(self.account.begun), timeout, lambda: "no plan on rosoclingo/task_plan")
         server = f"no action server {USUAL}"
         self.wait_until(lambda: self._connection.is_connected_to(self._core), timeout, lambda: server)
         self.wait_until(lambda: self._node.connected, timeout, lambda: "no connection to the core's topics")
@@ -109,7 +148,7 @@ class ScenarioPlayer:
 
     def differences(self) -> List[str]:
         """Return the differences of the run from the scenario's expectations."""
-        return self.account.differences(self._scenario.expect, self.before or 0, self.goals)
+        return self.account.differences(self._scenario.expect, self.account.before or 0, self.goals)
 
     def play(self) -> None:
         """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout.
@@ -117,23 +156,22 @@ class ScenarioPlayer:
         Topics arrive independently: the expected end can be at most LATE_NEWS seconds later.
         """
         waiting = list(self._scenario.events)
-        self._start = rospy.get_time()
-        self._begun = dict.fromkeys(self._begun, self._start)
-        self.before = None
+        start = rospy.get_time()
+        self.account.begin_scenario(start)
         clock, quiet = _Unchanged(), _Unchanged()
         while waiting or self._open_goals:
-            elapsed = rospy.get_time() - self._start
+            elapsed = rospy.get_time() - start
             if rospy.is_shutdown():
                 raise PlayError("shut down before the scenario's end")
             if elapsed > self._scenario.timeout:
                 raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
             if clock.lasts(rospy.get_time()).wall > STILL:
                 raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
-            for event in [one for one in waiting if one.due(elapsed, self._elapsed_cycles())]:
+            for event in [one for one in waiting if one.due(elapsed, self.account.cycles)]:
                 waiting.remove(event)
                 self._do(event)
             idle = self._awaits_a_cycle(waiting)
-            if min(quiet.lasts((idle, self._plans, len(waiting)))) > QUIET and idle:
+            if min(quiet.lasts((idle, self.account.plans, len(waiting)))) > QUIET and idle:
                 raise PlayError(
                     f"never happened: {self._open(waiting)}; all goals have ended in cycle {self._reached} of the "
                     f"scenario, and no further cycle began within {QUIET:g} s"
@@ -145,7 +183,7 @@ class ScenarioPlayer:
     @property
     def _reached(self) -> int:
         """The latest cycle, counted in the scenario."""
-        return max(self._elapsed_cycles(), default=1)
+        return max(self.account.cycles, default=1)
 
     def _awaits_a_cycle(self, waiting: List[ScenarioEvent]) -> bool:
         """Return whether no goal is open, and all remaining events wait for later cycles."""
@@ -156,21 +194,9 @@ class ScenarioPlayer:
     def _open_goals(self) -> List[str]:
         return [text for key, text in self.goals.items() if not self.account.has_ended(key)]
 
-    @property
-    def cycle(self) -> int:
-        """The core's latest known cycle, 0 before the first."""
-        return max(dict(self._begun), default=0)
-
     def _turn(self) -> None:
         self._check()
         self._node.tick(_TURN)
-
-    def _elapsed_cycles(self) -> Dict[int, float]:
-        start = self._start or 0.0
-        found: Dict[int, float] = {}
-        for cycle, moment in sorted(dict(self._begun).items()):
-            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - start)
-        return found
 
     def _open(self, waiting: List[ScenarioEvent]) -> str:
         return ", ".join([*map(str, waiting), *self._open_goals])
@@ -205,19 +231,8 @@ class ScenarioPlayer:
                 raise PlayError(f"{missing()} within {timeout:g} s")
             self._turn()
 
-    def _on_plan(self, message: TaskPlan) -> None:
-        self._core = message._connection_header["callerid"]
-        self._begun.setdefault(message.cycle, rospy.get_time())
-        self._plans += 1
-
     def _on_status(self, _message: GoalStatusArray, name: str) -> None:
         self._missing.discard(name)
-
-    def _on_update(self, message: String) -> None:
-        if self._start is not None and self.before is None:
-            with suppress(OclingoError):
-                step = parse_update(message.data).step
-                self.before = None if step is None else step - 1
 
 
 def call_service(name: str, fields: Mapping[str, Any], timeout: float = 10.0) -> None:
