@@ -132,7 +132,7 @@ class ChartsView {
 
   metres(most) {
     const { x, y, shapes } = this.axes(most, this.model.seconds, marks(0, most || 1, 4).map((at) => [at, `${at} m`]), moments(0, this.model.seconds || 1, 4));
-    const all = this.model.tracks().get("");
+    const all = this.model.tracks.get("");
     const step = Math.max(1, Math.floor(all.length / 300));
     const poses = all.filter((_pose, number) => number % step === 0 || number === all.length - 1);
     const points = poses.map(({ time, metres }) => `${x(time).toFixed(1)},${y(metres).toFixed(1)}`);

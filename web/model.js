@@ -47,13 +47,15 @@ class RunModel {
 
   /** Forget all data, before another run or a complete new message. */
   clear() {
-    this.born = (this.born || 0) + 1;
     this.about = { labels: {}, titles: {}, map: null, run: 1, pace: null, statuses: {} };
     this.seconds = 0;
     this.revision = 0;
     this.pace = null; // seconds of a live run's clock in a second, null if unknown
     this.paces = [];
     for (const name of TABLES) this[name] = [];
+    this.tracks = new Map(); // the poses by robot, "" for an only robot: {time, pose ([x, y, yaw]), metres (driven)}
+    this.robotNames = []; // of several robots: those with places, else those of the actions
+    this.news = []; // moments of requests, returns and facts
   }
 
   /** Merge changes, at a moment of the browser's clock (ms) on a live page. */
@@ -63,6 +65,11 @@ class RunModel {
     this.seconds = changes.seconds;
     this.revision = changes.revision;
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
+    if (changes.log.length) this.news = this.log.filter(({ kind }) => NEWS.has(kind)).map((line) => line.time);
+    if (changes.poses.length) this.tracks = grouped(this.poses.map((one) => [one.robot, one]));
+    const drawn = this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text);
+    const placed = [...this.tracks.keys(), ...drawn].filter(Boolean);
+    this.robotNames = [...new Set(placed.length ? placed : this.words.flatMap(({ robots }) => robots))].sort();
   }
 
   /** How fast the run's clock goes, empty if it keeps to real time. */
@@ -90,42 +97,18 @@ class RunModel {
 
   /** The number of a robot, for its colour. */
   colour(robot) {
-    return `r${Math.max(0, this.robotNames().indexOf(robot)) % 8}`;
-  }
-
-  /** The names of several robots: those with places, else those of the actions. */
-  robotNames() {
-    const size = [this.poses.length, this.shapes.length, this.words.length, this.born].join();
-    if (this.named !== size) {
-      this.named = size;
-      const drawn = this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text);
-      const placed = [...this.tracks().keys(), ...drawn];
-      const acting = this.words.flatMap(({ robots }) => robots);
-      const found = new Set(placed.filter(Boolean));
-      this.names = [...(found.size ? found : new Set(acting))].sort();
-    }
-    return this.names;
-  }
-
-  /** The recorded poses by robot, "" for an only robot: {time, pose ([x, y, yaw]), metres (driven)}. */
-  tracks() {
-    const known = [this.poses.length, this.born].join();
-    if (this.tracked !== known) {
-      this.tracked = known;
-      this.byRobot = grouped(this.poses.map((one) => [one.robot, one]));
-    }
-    return this.byRobot;
+    return `r${Math.max(0, this.robotNames.indexOf(robot)) % 8}`;
   }
 
   /** The last record of the only robot's pose, null if unknown. */
   poseAt(time) {
-    const poses = this.tracks().get("") || [];
+    const poses = this.tracks.get("") || [];
     return poses[Math.max(0, lastAt(poses, time))] || null;
   }
 
   /** The places of a robot up to a moment. */
   trackOf(name, time) {
-    const poses = this.tracks().get(name) || [];
+    const poses = this.tracks.get(name) || [];
     return poses.slice(0, lastAt(poses, time) + 1).map(({ pose }) => pose);
   }
 
@@ -216,11 +199,6 @@ class RunModel {
 
   /** The moment of the latest request, return or fact up to a moment; null before the first. */
   newsAt(time) {
-    const known = [this.log.length, this.born].join();
-    if (this.read !== known) {
-      this.read = known;
-      this.news = this.log.filter(({ kind }) => NEWS.has(kind)).map((line) => line.time);
-    }
     const number = lastAt(this.news, time, (one) => one);
     return number < 0 ? null : this.news[number];
   }
@@ -280,7 +258,7 @@ class RunModel {
     for (const { kind, labels, text } of this.drawnAt(time)) {
       if (kind === "robot" && text) found.set(text, { name: text, pose: this.about.labels[labels[0]] });
     }
-    for (const [name, poses] of this.tracks()) {
+    for (const [name, poses] of this.tracks) {
       const last = lastAt(poses, time);
       if (name && last >= 0) found.set(name, { name, pose: poses[last].pose });
     }

@@ -182,8 +182,8 @@ class LogView {
   draw(time, whole = false) {
     const now = whole ? -1 : lastAt(this.model.log, time);
     const inside = now >= this.first && now < this.past;
-    if (!inside || this.known !== this.model.log.length || this.born !== this.model.born) {
-      this.born = this.model.born;
+    if (!inside || this.known !== this.model.log.length || this.log !== this.model.log) {
+      this.log = this.model.log; // another one after the model was cleared
       this.now = now;
       this.show(inside ? this.first : now - LOG_LINES / 2, LOG_LINES);
     } else if (now !== this.now) {

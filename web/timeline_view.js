@@ -35,7 +35,7 @@ class TimelineView {
 
   /** Draw the run up to a moment; ``whole``: the moment is the end, and the whole run is shown. */
   draw(time, whole = false) {
-    [this.time, this.whole, this.robots] = [time, whole, this.model.robotNames()];
+    [this.time, this.whole, this.robots] = [time, whole, this.model.robotNames];
     this.width = this.picture.clientWidth || 700;
     this.left = this.width < 500 ? 84 : 120;
     const planned = whole ? [] : this.planned(time);
