@@ -2,6 +2,7 @@
 
 import threading
 import time
+from contextlib import suppress
 from typing import Any, Optional
 
 import rospy
@@ -10,9 +11,12 @@ from actionlib_msgs.msg import GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import is_delivered_to
+from rosoclingo.common.xmlrpc_api import FAULTS, address_of, api
 from rosoclingo.msg import ROSoClingoAction, ROSoClingoFeedback, ROSoClingoGoal
-from rosoclingo.nodes.server_watch import SILENCE, ServerWatch
 from rosoclingo.runs.events import STATUS_WORDS
+
+#: Seconds of wall time without news of a goal after which its server is checked.
+SILENCE = 5.0
 
 
 class GoalClient:
@@ -23,13 +27,14 @@ class GoalClient:
         outcome: a word of STATUS_WORDS, empty until the end of the goal.
         message: the reason of the end.
         feedback: the latest feedback, None before the first.
+        node: the name of the server's node, empty before ``wait_for_server``.
 
     """
 
     def __init__(self, server: str) -> None:
         self._client = ActionClient(server, ROSoClingoAction)
         self._news = threading.Condition()
-        self._watch: Optional[ServerWatch] = None
+        self.node = self._uri = ""
         self._handle: Optional[ClientGoalHandle] = None
         self._latest: Any = None  # status message
         self._heard = 0.0  # time of the last news of the goal, or of its sending
@@ -45,7 +50,9 @@ class GoalClient:
             status = self._client.last_status_msg
             server = "" if status is None else status._connection_header["callerid"]
             if server and self._is_connected(server):
-                self._watch = ServerWatch(server)
+                self.node = server
+                with suppress(*FAULTS):
+                    self._uri = address_of(server)
                 return True
             self.wait(0.02)
         return False
@@ -55,11 +62,6 @@ class GoalClient:
         heard = all(one.impl.has_connection(server) for one in (client.pub_goal, client.pub_cancel))
         topics = (client.feedback_sub.resolved_name, client.result_sub.resolved_name)
         return heard and all(is_delivered_to(me, topic, [server]) for topic in topics)
-
-    @property
-    def node(self) -> str:
-        """The name of the server's node, empty before ``wait_for_server``."""
-        return "" if self._watch is None else self._watch.node
 
     def send(self, text: str) -> None:
         """Send the goal; call this once."""
@@ -74,8 +76,9 @@ class GoalClient:
     def check(self) -> None:
         """End the goal if it is lost; call this while waiting for it.
 
-        A goal without news for SILENCE seconds of wall time is lost if the server does not respond, was restarted,
-        or no longer reports the acknowledged goal. This takes some seconds if the server does not respond.
+        A goal without news for SILENCE seconds of wall time is lost if the server no longer reports the acknowledged
+        goal, or does not respond, which takes some seconds. A server publishes its status in ROS time, which can stand
+        still, so its node is asked in wall time.
         """
         assert self._handle is not None
         before, self._latest = self._latest, self._client.last_status_msg
@@ -87,15 +90,19 @@ class GoalClient:
             return
         self._heard = now
         acknowledged = self._handle.get_comm_state() != CommState.WAITING_FOR_GOAL_ACK
-        fault = self._watch.fault() if self._watch is not None else ""
-        if not fault and acknowledged and not reported:
-            fault = "the server is running, but does not know the goal"
-        if fault:
-            self._end(GoalStatus.LOST, f"no news of {self.text}: {fault}")
+        if not self._responds():
+            self._end(GoalStatus.LOST, f"no news of {self.text}: {self.node} does not respond any more")
+        elif acknowledged and not reported:
+            self._end(GoalStatus.LOST, f"no news of {self.text}: the server is running, but does not know the goal")
         elif not acknowledged:  # rospy can drop the goal and its cancel, and the server accepts an id only once
             self._client.pub_goal.publish(self._handle.comm_state_machine.action_goal)
             if self._cancelled:
                 self.cancel()
+
+    def _responds(self) -> bool:
+        with suppress(*FAULTS):
+            return bool(api(self._uri).getPid(rospy.get_name()))
+        return False
 
     def wait(self, timeout: float) -> None:
         """Wait for news of the goal, at most ``timeout`` seconds of wall time."""

@@ -5,7 +5,7 @@ from typing import Callable, Optional
 import rospy
 
 from rosoclingo.nodes.goal_client import GoalClient
-from rosoclingo.nodes.server_watch import Beginning
+from rosoclingo.nodes.missing_ros import Beginning
 from rosoclingo.nodes.words import words_of
 from rosoclingo.runs.events import SAID, reason_suffix
 from rosoclingo.runs.sentences import Sentences

@@ -10,8 +10,8 @@ from typing import Callable, Iterable, Optional, Sequence
 import rospy
 
 from rosoclingo.nodes.account_node import TOPICS, AccountNode
+from rosoclingo.nodes.missing_ros import Beginning, missing_master
 from rosoclingo.nodes.recording.bag_reader import read_bag
-from rosoclingo.nodes.server_watch import Beginning, missing_master
 from rosoclingo.nodes.words import words_of
 from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.runs.account import Account

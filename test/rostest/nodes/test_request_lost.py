@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalStatus
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import ROSoClingoActionResult
 
-from rosoclingo.nodes.server_watch import SILENCE
+from rosoclingo.nodes.goal_client import SILENCE
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
