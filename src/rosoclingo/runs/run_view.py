@@ -172,17 +172,17 @@ class RunView(RunEvents):
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was restarted")
         self._run = run
 
-    def goal(self, time: float, key: str, text: str) -> None:
-        """Record a goal of a client, once."""
-        self._goal(time, key, text, time)
+    def goal(self, time: float, key: str, text: str, heard: Optional[float] = None, after: Iterable[str] = ()) -> None:
+        """Record a goal of a client, once; ``heard`` is the time of the first report, if that is later.
 
-    def _goal(self, time: float, key: str, text: str, heard: float, after: Iterable[str] = ()) -> None:
+        ``after``: what the line of the log has to follow.
+        """
         if key not in self._goals:
             now, shown, words = self._now(time, begins=True), shortened(text, SHOWN), self._goal_words(text)
             self._goals[key] = self.tables["goals"].add(
                 id=key, request=shown, words=words, sent=now, ended=None, states=[[now, PENDING, "", ""]]
             )
-            self._log.add(self._now(heard), "request", words, after, _as_fed(text), details=shown)
+            self._log.add(self._now(heard or time), "request", words, after, _as_fed(text), details=shown)
 
     def goals(self, time: float, reports: Sequence[GoalReport]) -> None:
         """Record the states of all goals; goals that ended before the first report are history."""
@@ -193,7 +193,7 @@ class RunView(RunEvents):
                     self._history.add(key)
                 if key in self._history:
                     continue
-                self._goal(came if 0.0 < came < time else time, key, text, time, after)
+                self.goal(came if 0.0 < came < time else time, key, text, time, after)
             self.status(time, key, number, reason, after)
         self._met = True
 

@@ -10,7 +10,6 @@ from rosoclingo.runs.planar_frames import Pose
 
 USUAL = WIDTH  # width of a map for which texts and arrows have their default size
 PROPORTION = 1.4  # a window's width divided by its height
-NEAR = 1.0  # distance below which the bounds of the map replace those of its known part, at the default size
 MARGIN = 0.03  # of the picture, on each side
 FRAME = (32, 92)  # pixels of width and height for rviz's menu, tools and status
 OF_ROBOTS = ("rviz/LaserScan", "rviz/Path")  # classes of displays of which each robot has its own
@@ -37,14 +36,10 @@ def known_bounds(cells: np.ndarray, resolution: float, origin: Pose) -> Bounds:
 
 
 def bounds_of(message: Any) -> Bounds:
-    """Return the bounds of a nav_msgs/OccupancyGrid's known cells; edges near the map's edge move to that edge."""
+    """Return the bounds of a nav_msgs/OccupancyGrid's known cells."""
     info = message.info
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
-    origin = Pose.of(info.origin.position, info.origin.orientation)
-    inner, outer = (known_bounds(one, info.resolution, origin) for one in (cells, np.zeros_like(cells)))
-    near = NEAR * text_factor(inner)
-    x0, y0, x1, y1 = (edge if abs(edge - own) <= near else own for own, edge in zip(inner, outer))
-    return x0, y0, x1, y1
+    return known_bounds(cells, info.resolution, Pose.of(info.origin.position, info.origin.orientation))
 
 
 def text_factor(bounds: Bounds) -> float:
