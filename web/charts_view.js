@@ -36,13 +36,14 @@ class ChartsView {
   constructor(parent, model) {
     this.model = model;
     this.parent = parent;
-    this.shown = null;
   }
 
   draw() {
-    const what = [this.model.goals.length, this.model.log.length, Math.round(this.model.seconds / 5)].join();
-    if (what === this.shown) return;
-    this.shown = what;
+    redraw(this.parent, [this.model.goals.length, this.model.log.length, Math.round(this.model.seconds / 5)], () => this.all());
+  }
+
+  /** Short lists of values, and the charts of long ones. */
+  all() {
     const found = figures(this.model);
     const solver = `${brief(found.total)} of wall time, ${brief(found.longest)} in the longest cycle`;
     const charts = [
@@ -54,7 +55,7 @@ class ChartsView {
     if (found.metres !== null) charts.push(this.chart("Metres driven", `${found.metres.toFixed(1)} m`, this.metres(found.metres)));
     const listed = charts.filter(({ shapes }) => !shapes).map(({ title, words }) => [html("dt", {}, title), html("dd", {}, words)]);
     const drawn = charts.filter(({ shapes }) => shapes).map((one) => this.figure(one));
-    show(this.parent, listed.length ? html("dl", { class: "listed" }, listed) : null, html("div", { class: "charts" }, drawn));
+    return [listed.length ? html("dl", { class: "listed" }, listed) : null, html("div", { class: "charts" }, drawn)];
   }
 
   chart(title, words, shapes, height = CHART.height) {

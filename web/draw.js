@@ -31,6 +31,14 @@ function show(element, ...children) {
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
 }
 
+/** Replace the children of an element by those of ``draw`` if ``what`` has changed since the last time; else it keeps its scroll position. */
+function redraw(element, what, draw) {
+  const key = JSON.stringify(what);
+  if (element.shownKey === key) return;
+  element.shownKey = key;
+  show(element, draw());
+}
+
 /** Set the text of an element, if it differs. */
 function say(element, text) {
   if (element.textContent !== text) element.textContent = text;

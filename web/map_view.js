@@ -235,10 +235,7 @@ class MapView {
   list(time, robots) {
     const several = robots.filter(({ name }) => name);
     const lines = several.map((robot) => [robot, `${this.place(robot.x, robot.y)}${this.load(time, robot.name)}`, this.deeds(time, robot.name)]);
-    const key = JSON.stringify(lines);
-    if (key === this.listed) return;
-    this.listed = key;
-    show(this.robots, lines.map(([{ name, colour }, place, deeds]) => html("li", {}, html("strong", { class: `robotname ${colour}` }, name), ` ${place}`, deeds ? `; ${deeds}` : "")));
+    redraw(this.robots, lines, () => lines.map(([{ name, colour }, place, deeds]) => html("li", {}, html("strong", { class: `robotname ${colour}` }, name), ` ${place}`, deeds ? `; ${deeds}` : "")));
   }
 
   place(x, y) {

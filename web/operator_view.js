@@ -101,9 +101,6 @@ class OperatorView {
     box.hidden = !health.length;
     box.className = `health ${LEVELS[worst]}`;
     say(this.part("light"), LIGHTS[worst]);
-    const shown = JSON.stringify(health);
-    if (shown === this.shown) return;
-    this.shown = shown;
-    show(this.part("reports"), health.map(([name, level, message]) => html("li", { class: LEVELS[level] }, html("strong", {}, name), ` ${LEVELS[level]}: ${message}`)));
+    redraw(this.part("reports"), health, () => health.map(([name, level, message]) => html("li", { class: LEVELS[level] }, html("strong", {}, name), ` ${LEVELS[level]}: ${message}`)));
   }
 }

@@ -57,7 +57,6 @@ class OrdersView {
     this.own = html("div", { hidden: true });
     this.states = new Map(); // the last state of each of this browser's goals
     this.facts = []; // the facts that were sent: {text, words, line (of the log)}
-    this.shape = "";
     const table = html("div", { class: "scroll" });
     show(parent, this.forms, this.own);
     show(this.own, html("h3", {}, "My orders"), table);
@@ -71,13 +70,11 @@ class OrdersView {
 
   /** Show the forms. A choice stays selected, even if it is temporarily unavailable. */
   draw(forms) {
-    const shape = JSON.stringify(forms.map(({ title, fields }) => [title, fields.map(({ name }) => name)]));
-    if (shape !== this.shape) {
-      this.shape = shape;
+    redraw(this.forms, forms.map(({ title, fields }) => [title, fields.map(({ name }) => name)]), () => {
       document.getElementById("asking").hidden = !forms.length;
       this.selects = forms.map(({ fields }, number) => new Map(fields.map(({ name }) => [name, this.select(name, number)])));
-      show(this.forms, forms.map((form, number) => this.form(form, number)));
-    }
+      return forms.map((form, number) => this.form(form, number));
+    });
     this.offered = forms;
     forms.forEach((_form, number) => this.offer(number));
     this.follow();

@@ -65,7 +65,6 @@ class PlanView {
   constructor(parent, model) {
     this.model = model;
     this.parent = parent;
-    this.shown = null;
     this.open = new Set(); // keys of what is unfolded
   }
 
@@ -77,12 +76,11 @@ class PlanView {
     const since = whole ? null : this.model.thinkingAt(time);
     const waits = since === null ? 0 : Math.floor(time - since);
     const known = plan && [plan.cycle.cycle, plan.number, plan.actions.map(({ words }) => words)];
-    const what = JSON.stringify([whole, cycle, known, states, problems, waits, whole ? time : this.model.beliefsAt(time)]);
-    if (what === this.shown) return; // preserves the scroll position
-    this.shown = what;
-    if (!cycle) show(this.parent, html("p", { class: "caption" }, "No cycle has begun yet."));
-    else if (whole) show(this.parent, this.overview());
-    else show(this.parent, this.thinking(since, waits), this.plan(plan, cycle, time), this.problems(cycle, time), this.details(cycle, plan, time));
+    redraw(this.parent, [whole, cycle, known, states, problems, waits, whole ? time : this.model.beliefsAt(time)], () => {
+      if (!cycle) return [html("p", { class: "caption" }, "No cycle has begun yet.")];
+      if (whole) return [this.overview()];
+      return [this.thinking(since, waits), this.plan(plan, cycle, time), this.problems(cycle, time), this.details(cycle, plan, time)];
+    });
   }
 
   /** The whole run in figures. */
