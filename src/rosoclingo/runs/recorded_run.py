@@ -170,12 +170,10 @@ class _Open:
     def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, latest: int = 0) -> None:
         self.program, self.start, self.latest = program, start, latest
         self._leading: List[StreamUpdate] = []  # updates of a restarted program, up to the present cycle
-        self.last: Optional[RecordedCycle] = None  # the cycle of the latest plan
         self._cycles: Dict[int, RecordedCycle] = {}
 
     def at(self, cycle: int) -> RecordedCycle:
         """Return the record of a cycle."""
-        self.last = None
         return self._cycles.setdefault(cycle, RecordedCycle(cycle))
 
     def update(self, update: StreamUpdate) -> None:
@@ -218,7 +216,7 @@ class RunCollector(RunEvents):
         if last is not None and last.program is None and (last.start is not None or not last.latest):
             last.program = found
         elif last is None or last.program is None or last.program.run != found.run:
-            self._begin(found)
+            self._runs.append(_Open(found))
 
     def update(self, time: float, text: str) -> None:
         """Add an accepted update."""
@@ -227,16 +225,20 @@ class RunCollector(RunEvents):
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
         if update.step == 1 and self._run.latest and Reset() not in update.items:
-            self._begin()
+            self._runs.append(_Open())
         self._run.update(update)
 
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
     ) -> None:
-        """Add a published plan, without executed actions."""
-        found = self._run.at(cycle)
-        found.plans.append(Plan.from_atoms(filter(None, map(atom_in, actions)), horizon).rest(cycle))
-        self._run.last = found
+        """Add a published plan, without executed actions.
+
+        An empty plan after another one is the first plan of a restarted core, whose program has not arrived yet.
+        """
+        plans = self._run.at(cycle).plans
+        plan = Plan.from_atoms(filter(None, map(atom_in, actions)), horizon).rest(cycle)
+        if plan.actions or not plans:
+            plans.append(plan)
 
     def dispatched(self, time: float, facts: Sequence[str]) -> None:
         """Add dispatched actions; ignore other facts."""
@@ -258,13 +260,6 @@ class RunCollector(RunEvents):
         if not found:
             raise RecordingError("it has no update of a core: there was no request, or the recorder was not connected")
         return found
-
-    def _begin(self, program: Optional[RunProgram] = None) -> None:
-        """Begin another run; a starting core's first plan can have arrived before."""
-        early = self._runs[-1].last if self._runs else None
-        if early is not None and early.cycle == 1 and not early.plans[-1].actions:
-            early.plans.pop()
-        self._runs.append(_Open(program))
 
     @property
     def _run(self) -> _Open:
