@@ -2,7 +2,7 @@
 // The model of a run: its state at any moment, for the views. Its input is the JSON of runs/run_view.py, complete in a
 // report, incremental on the live page. Times are seconds since the beginning of the run.
 
-const TABLES = ["goals", "cycles", "words", "actions", "packages", "terms", "beliefs", "shapes", "drawn", "poses", "paths", "scans", "log"];
+const TABLES = ["goals", "cycles", "words", "actions", "packages", "terms", "beliefs", "shapes", "poses", "paths", "scans", "log"];
 const NEWS = new Set(["request", "cancel", "return", "fact"]); // kinds of lines of the log after which a plan is made
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
 
@@ -267,8 +267,8 @@ class RunModel {
 
   /** The program's drawings: {kind, labels, text}. */
   drawnAt(time) {
-    const number = lastAt(this.drawn, time);
-    return number < 0 ? [] : this.drawn[number].shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
+    const number = lastAt(this.beliefs, time);
+    return number < 0 ? [] : this.beliefs[number].shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
   }
 
   beliefsAt(time) {

@@ -61,9 +61,6 @@ LOST = "lost"
 #: Beliefs that other log lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 
-#: Limit of lasers whose scans are shown.
-MOST_SCANS = 20
-
 #: Limit of records of all tables together, above which a live page begins again with the present state.
 MOST = 50000
 
@@ -107,7 +104,6 @@ class RunView(RunEvents):
                 "terms",
                 "beliefs",
                 "shapes",
-                "drawn",
                 "poses",
                 "paths",
                 "scans",
@@ -120,7 +116,6 @@ class RunView(RunEvents):
         self._sentences, self.drawings = Sentences(), Drawings()
         self.mode_word = RUNNING
         self.believed: Sequence[str] = ()
-        self._believed_since = 0.0
         self.positions: Dict[str, Point] = {}
         self._tracks: DefaultDict[str, Track] = defaultdict(Track)
         self._scans: Dict[str, int] = {}
@@ -159,7 +154,11 @@ class RunView(RunEvents):
             self._log.add(self._now(time), "note", shortened(fault, SHOWN))
         labels = {one.name: [one.x, one.y, one.yaw] for one in table}
         self.describe(labels=labels, titles=self.sentences.titles)
-        self._draw()
+        beliefs, shapes = self.tables["beliefs"], self._drawn_shapes()
+        if beliefs.last is None:
+            beliefs.add(time=0.0, cycle=1, atoms=[], shapes=shapes)
+        elif beliefs.last["shapes"] != shapes:
+            beliefs.change(len(beliefs) - 1)["shapes"] = shapes
 
     def begin(self, run: str) -> None:
         """Record the id of the core's run; a new run starts with cycle 1 again."""
@@ -286,18 +285,17 @@ class RunView(RunEvents):
             self.tables["packages"].add(time=self._now(time), places=places)
 
     def beliefs(self, time: float, cycle: int, atoms: Sequence[str]) -> None:
-        """Record the program's beliefs."""
-        terms = self._terms.numbers([shortened(atom) for atom in atoms])
-        last = self.tables["beliefs"].last
-        if last is None or last["atoms"] != terms:
-            self.tables["beliefs"].add(time=self._now(time), cycle=cycle, atoms=terms)
+        """Record the program's beliefs, with their drawings."""
         before, now = frozenset(self.believed), frozenset(atoms)
+        self.believed = atoms
+        terms, shapes = self._terms.numbers([shortened(atom) for atom in atoms]), self._drawn_shapes()
+        last = self.tables["beliefs"].last
+        if last is None or (last["atoms"], last["shapes"]) != (terms, shapes):
+            self.tables["beliefs"].add(time=self._now(time), cycle=cycle, atoms=terms, shapes=shapes)
         words = [sign + one for sign, found in (("+", now - before), ("-", before - now)) for one in sorted(found)]
         news = [one for one in words if not one[1:].startswith(_REPORTED)]
         if news and self._with_state:
             self._log.add(self._now(time), "state", " ".join(news), (BEGUN,))
-        self.believed, self._believed_since = atoms, self._now(time)
-        self._draw()
 
     def mode(self, time: float, mode: str) -> None:
         """Record whether the core dispatches actions, if it has changed."""
@@ -336,7 +334,7 @@ class RunView(RunEvents):
         scan = {"time": self._now(time), "topic": topic, "points": [[round(x, 2), round(y, 2)] for x, y in points]}
         if topic in self._scans:
             self.tables["scans"].change(self._scans[topic]).update(scan)
-        elif len(self._scans) < MOST_SCANS:
+        else:
             self._scans[topic] = self.tables["scans"].add(**scan)
 
     def floor(self, image: Optional[Record]) -> None:
@@ -433,15 +431,13 @@ class RunView(RunEvents):
             )
         return self.tables["cycles"].change(self._cycles[cycle])
 
-    def _draw(self) -> None:
-        """Record the drawings of the program's beliefs, if they have changed."""
+    def _drawn_shapes(self) -> List[int]:
+        """Return the numbers of the drawings of the program's beliefs."""
         found = self.drawings.of(self.believed, self.about["labels"].keys())
         texts = [
             json.dumps({"kind": one.kind.value, "labels": one.labels, "text": shortened(one.text)}) for one in found
         ]
-        shapes, last = self._shapes.numbers(texts), self.tables["drawn"].last
-        if shapes != ([] if last is None else last["shapes"]):
-            self.tables["drawn"].add(time=self._believed_since, shapes=shapes)
+        return self._shapes.numbers(texts)
 
     def _sources(self, update: StreamUpdate) -> Set[str]:
         """Return the requests and returns in an update, which other topics publish first."""
