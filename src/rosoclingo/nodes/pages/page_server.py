@@ -64,8 +64,6 @@ class PageServer:
         self.access = access
         self.viewers: Set[_Viewer] = set()
         self._view, self._look, self._web, self.take = view, look, web, take
-        self._shown: Optional[RunView] = None
-        self._extra: Dict[str, Any] = {}
         self.page, policy = live_page(web)
         self.policy = f"{policy}; {POLICY}"
         self._sockets = list(sockets)
@@ -133,14 +131,10 @@ class PageServer:
 
     def _tick(self) -> None:
         """Send each viewer its changes; skip viewers that have not received the previous message yet."""
-        self._extra = self._look()
+        extra = self._look()  # first, as it can replace the view
         view = self._view()
-        if view is not self._shown:
-            self._shown = view
-            for viewer in self.viewers:
-                viewer.forget()
         for viewer in self.viewers:
-            viewer.send_news(view, self._extra)
+            viewer.send_news(view, extra)
 
 
 def _check(handler: RequestHandler, server: PageServer) -> None:
@@ -217,12 +211,9 @@ class _Viewer(_PlainErrors, WebSocketHandler):
         self._server = server
         self._busy = False
         self._received: Deque[float] = deque(maxlen=MOST_MESSAGES)  # times of messages
-        self.forget()
-
-    def forget(self) -> None:
-        """Send the whole view next."""
-        self._sent: Dict[str, Any] = {}
-        self._known = -1  # revision of the view that the viewer has
+        self._view: Optional[RunView] = None  # the view that the viewer has
+        self._known = -1  # its revision there
+        self._sent: Dict[str, Any] = {}  # the further data that the viewer has
 
     def check_origin(self, origin: str) -> bool:
         """Return whether the request comes from a page of this server."""
@@ -273,7 +264,9 @@ class _Viewer(_PlainErrors, WebSocketHandler):
         self._server.viewers.discard(self)
 
     def send_news(self, view: RunView, extra: Dict[str, Any]) -> None:
-        """Send the changes since the last message, also of ``extra``."""
+        """Send the changes since the last message, also of ``extra``; another view is sent as a whole."""
+        if view is not self._view:
+            self._view, self._known, self._sent = view, -1, {}
         seconds = {**extra, "seconds": int(view.seconds)}
         if self._busy or (self._known == view.revision and self._sent == seconds):
             return
