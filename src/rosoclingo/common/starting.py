@@ -9,7 +9,7 @@ import shlex
 import signal
 import sys
 import threading
-from typing import Any, Callable, Iterator, NoReturn, Sequence, Tuple, Type
+from typing import Any, Callable, Iterator, Sequence, Tuple, Type
 
 from rosoclingo.common.streams import tolerate_any_locale, tolerate_full_disk
 
@@ -42,14 +42,6 @@ def missing(module: str) -> str:
     python, package = f"{sys.executable} (Python {sys.version_info[0]}.{sys.version_info[1]})", _PYPI.get(name, name)
     fix = f"rosdep install rosoclingo, or {sys.executable} -m pip install {shlex.quote(package)}"
     return f"{name} is not installed for {python}: {fix}"
-
-
-def leave(code: int) -> NoReturn:
-    """Flush the output and exit with this code, without the destructors of Python."""
-    with contextlib.suppress(BrokenPipeError):  # the reader has ended
-        sys.stdout.flush()
-        sys.stderr.flush()
-    os._exit(code)
 
 
 def node_arguments(node: Type[Any], script: str, positional: str = "") -> Sequence[str]:
