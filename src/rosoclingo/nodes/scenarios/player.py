@@ -1,5 +1,6 @@
 """Plays a scenario: sends goals, cancels and facts, and waits until all goals have ended."""
 
+import math
 import time
 from contextlib import suppress
 from functools import partial
@@ -54,7 +55,7 @@ class PlayedRun(Account):
         self.begun: Dict[int, float] = {}
         self.plans = 0
         self.before: Optional[int] = None
-        self._opening: Optional[float] = None
+        self._opening = math.inf  # when the scenario begins
 
     def begin_scenario(self, time: float) -> None:
         """Begin the scenario."""
@@ -72,7 +73,7 @@ class PlayedRun(Account):
     def update(self, time: float, text: str) -> None:
         """Record an accepted stream update."""
         super().update(time, text)
-        if self._opening is not None and self.before is None:
+        if self.before is None and time >= self._opening:
             with suppress(OclingoError):
                 step = parse_update(text).step
                 self.before = None if step is None else step - 1
@@ -82,7 +83,7 @@ class PlayedRun(Account):
         """The scenario's cycles, each with the seconds from the scenario's beginning until it began."""
         found: Dict[int, float] = {}
         for cycle, moment in sorted(self.begun.items()):
-            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - (self._opening or 0.0))
+            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - self._opening)
         return found
 
 
