@@ -5,13 +5,9 @@ a program many times, so a :class:`Node` fetches each attribute once, on first a
 """
 
 from functools import cached_property
-from inspect import signature
-from typing import Any, Callable, Dict, FrozenSet, List, Mapping, Optional, Tuple
+from typing import Any, Callable, List, Optional
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
-
-#: For each kind, all attributes and the attributes with child nodes; clingo would compute both for each node.
-_KEYS: Dict[ASTType, Tuple[FrozenSet[str], List[str]]] = {}
 
 _COMMENTS = (getattr(ASTType, "Comment", None),)  # of clingo 5.7 and later
 
@@ -30,15 +26,11 @@ class Node:
 
     def __init__(self, ast: AST) -> None:
         self.ast = ast
-        self.ast_type = kind = ast.ast_type
-        keys = _KEYS.get(kind)
-        if keys is None:
-            keys = _KEYS[kind] = frozenset(ast.keys()), ast.child_keys
-        self._keys = keys
+        self.ast_type = ast.ast_type
 
     def __getattr__(self, name: str) -> Any:
         """Fetch and cache an attribute on first access."""
-        if name[:1] == "_" or name not in self._keys[0]:
+        if name[:1] == "_":
             raise AttributeError(f"no attribute: {name}")
         value = self.__dict__[name] = _from_ast(getattr(self.ast, name))
         return value
@@ -52,7 +44,7 @@ class Node:
     def children(self) -> List["Node"]:
         """The direct child nodes, in order."""
         found: List[Node] = []
-        for key in self._keys[1]:
+        for key in self.ast.child_keys:
             child = getattr(self, key)
             if isinstance(child, Node):
                 found.append(child)
@@ -83,17 +75,13 @@ class Node:
         return hash(self.ast)
 
     def update(self, **attributes: Any) -> "Node":
-        """Return a copy with new values of some attributes; it shares the others."""
-        twin = Node(self.ast.update(**{name: _to_ast(value) for name, value in attributes.items()}))
-        made = {"_keys", "ast", "ast_type", "children", "nodes", "text", *attributes}
-        twin.__dict__.update({name: value for name, value in self.__dict__.items() if name not in made})
-        twin.__dict__.update(_of_nodes(attributes))
-        return twin
+        """Return a copy with new values of some attributes."""
+        return Node(self.ast.update(**{name: _to_ast(value) for name, value in attributes.items()}))
 
     def move(self, place: Callable[[Position], Position]) -> None:
         """Replace the positions of the node and its descendants by ``place`` of them."""
         for one in self.nodes:
-            if "location" in one._keys[0]:
+            if hasattr(one, "location"):
                 begin, end = one.location.begin, one.location.end
                 one.ast.location = one.__dict__["location"] = Location(place(begin), place(end))
 
@@ -102,12 +90,6 @@ def _from_ast(value: Any) -> Any:
     if isinstance(value, AST):
         return Node(value)
     return [_from_ast(one) for one in value] if isinstance(value, (ASTSequence, StrSequence)) else value
-
-
-def _of_nodes(attributes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return the attributes whose values are nodes, so that the copy shares their caches."""
-    given = {name: value if isinstance(value, list) else [value] for name, value in attributes.items()}
-    return {name: attributes[name] for name, row in given.items() if all(isinstance(one, Node) for one in row)}
 
 
 def _to_ast(value: Any) -> Any:
@@ -128,6 +110,4 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:
     """Return a new node from a constructor of :mod:`clingo.ast` and its arguments."""
-    made = Node(constructor(*map(_to_ast, values)))
-    made.__dict__.update(_of_nodes(dict(zip(signature(constructor).parameters, values))))
-    return made
+    return Node(constructor(*map(_to_ast, values)))
