@@ -1,6 +1,6 @@
 """The atoms of one control, sorted by step."""
 
-from typing import Dict, FrozenSet, Iterable, Iterator, List, Sequence, Set, Tuple
+from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
@@ -47,24 +47,20 @@ class ExternalIndex(AtomIndex):
         """Index the externals of ``control``, before the ``program`` is loaded into it."""
         super().__init__(control, program.external_signatures - {BEYOND})
         self._program = program
-        self._fresh, self._heads = _Externals(), _Heads()
-        self._declared: Dict[int, range] = {}  # literal -> the steps whose grounding declared it
+        self._ground = (_GroundHeads if program.defines_externals else _GroundExternals)()
+        self._declared: Dict[int, Optional[range]] = {}  # literal -> the steps whose grounding declared it, None: base
         self._defined: Set[int] = set()  # literals of externals that rules define
         self.stepless: Set[clingo.Symbol] = set()
-        self._unsorted: Dict[range, List[clingo.Symbol]] = {}  # by the steps that were grounded in one call
-        self._atoms: Dict[int, List[clingo.Symbol]] = {}  # by their steps
-        self._of_base: FrozenSet[int] = frozenset()
-        self._base_atoms: Set[clingo.Symbol] = set()
-        for observer in (self._fresh, self._heads) if program.defines_externals else (self._fresh,):
-            control.register_observer(observer)
+        self._atoms: Dict[Optional[int], List[clingo.Symbol]] = {}  # by their steps, None: base
+        control.register_observer(self._ground)
 
     def note(self, steps: range) -> None:
         """Record the atoms that the grounding of ``steps`` declared and defined; base counts as step 1."""
-        for literal in self._fresh.literals:
+        for literal in self._ground.externals:
             self._declared.setdefault(literal, steps)
-        self._defined.update(literal for literal in self._heads.literals if literal in self._declared)
-        self._fresh.literals.clear()
-        self._heads.literals.clear()
+        self._defined |= self._ground.heads & self._declared.keys()
+        self._ground.externals.clear()
+        self._ground.heads.clear()
         self.expire()
 
     def is_external(self, literal: int) -> bool:
@@ -73,43 +69,45 @@ class ExternalIndex(AtomIndex):
 
     def end_base(self) -> None:
         """Record all externals declared so far as externals of base."""
-        self._of_base = frozenset(self._declared)
+        self._declared = dict.fromkeys(self._declared)
 
     def between(self, first: int, last: int, base: bool) -> List[clingo.Symbol]:
         """Return the externals that the steps first..last declare; with ``base``, externals of base count as step 1."""
         for atom, literal in self.fresh():
             if literal in self._declared and atom not in self.stepless:
-                self._unsorted.setdefault(self._declared[literal], []).append(atom)
-                if literal in self._of_base:
-                    self._base_atoms.add(atom)
-        for steps in [one for one in self._unsorted if one[0] <= last]:  # later ones are not needed yet
-            for atom in self._unsorted.pop(steps):
-                self._atoms.setdefault(self._program.declaring_step(atom, steps), []).append(atom)
-        found = [atom for step, atoms in self._atoms.items() if first <= step <= last for atom in atoms]
-        return found if base else [atom for atom in found if atom not in self._base_atoms]
+                steps = self._declared[literal]
+                step = None if steps is None else self._program.declaring_step(atom, steps)
+                self._atoms.setdefault(step, []).append(atom)
+        in_base = self._atoms.get(None, []) if base and first <= 1 <= last else []
+        steps_with = (step for step in self._atoms if step is not None and first <= step <= last)
+        return [*in_base, *(atom for step in steps_with for atom in self._atoms[step])]
 
 
-class _Externals(Observer):
-    """Collects the literals of externals as clingo declares them."""
+class _GroundExternals(Observer):
+    """Collects the literals of externals as clingo declares them.
+
+    Attributes:
+        externals: the literals.
+        heads: the literals that rules define, if these are collected.
+
+    """
 
     def __init__(self) -> None:
-        self.literals: Set[int] = set()
+        self.externals: Set[int] = set()
+        self.heads: Set[int] = set()
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
         """Record an external."""
-        self.literals.add(atom)
+        self.externals.add(atom)
 
 
-class _Heads(Observer):
-    """Collects the literals that rules define."""
-
-    def __init__(self) -> None:
-        self.literals: Set[int] = set()
+class _GroundHeads(_GroundExternals):
+    """Collects also the literals that rules define."""
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Record the head of a rule."""
-        self.literals.update(head)
+        self.heads.update(head)
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
         """Record the head of a rule with a weighted body."""
-        self.literals.update(head)
+        self.heads.update(head)
