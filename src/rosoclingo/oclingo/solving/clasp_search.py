@@ -1,6 +1,6 @@
 """Interruptible searches of clasp in one control, each with its own limits."""
 
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 
@@ -37,7 +37,7 @@ class ClaspSearch:
         """Create searches of ``control``, which has grounded ``program``."""
         self._control = control
         self._optimizes, self._advises = program.optimizes, program.advises
-        self._options: Dict[str, str] = {}
+        self._limits: Optional[SearchLimits] = None  # of the last search
 
     def run(
         self, limits: SearchLimits, assumed: Assumed, on_model: OnModel, stopped: Callable[[], bool], with_core: bool
@@ -46,7 +46,8 @@ class ClaspSearch:
 
         Returns the result and, if ``with_core`` is set and there is no answer, an unsat core of ``assumed``.
         """
-        self._configure(limits)
+        if limits != self._limits:  # new options make clasp prepare the solver again
+            self._configure(limits)
         with self._control.solve(assumptions=assumed, on_model=on_model, async_=True) as handle:
             while not handle.wait(POLL):
                 if stopped():
@@ -55,15 +56,11 @@ class ClaspSearch:
             return result, handle.core() if with_core and result.satisfiable is False else []
 
     def _configure(self, limits: SearchLimits) -> None:
-        """Set only the options that differ from the last search, as setting an option is slow."""
+        self._limits = limits
+        options: Any = self._control.configuration
         conflicts = "umax" if limits.conflicts is None else str(limits.conflicts)
-        options = {"models": str(limits.models), "solve_limit": f"{conflicts},umax"}
+        options.solve.models, options.solve.solve_limit = str(limits.models), f"{conflicts},umax"
         if self._optimizes:
-            options["opt_mode"] = "optN" if limits.best else "ignore"
+            options.solve.opt_mode = "optN" if limits.best else "ignore"
         if self._advises:
-            options["heuristic"] = "Domain" if limits.advised else "Vsids,92"  # the second is clingo's default
-        configuration = self._control.configuration
-        for name, value in options.items():
-            if self._options.get(name) != value:
-                setattr(configuration.solver if name == "heuristic" else configuration.solve, name, value)
-        self._options = options
+            options.solver.heuristic = "Domain" if limits.advised else "Vsids,92"  # the second is clingo's default
