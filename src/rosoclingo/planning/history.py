@@ -10,7 +10,7 @@ from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tu
 
 import clingo
 
-from rosoclingo.oclingo.program.action_rules import ACTION, DatedActions
+from rosoclingo.oclingo.program.action_rules import ACTION, dated_actions
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.parser import parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Reset, StreamUpdate, Withdraw
@@ -23,8 +23,6 @@ from rosoclingo.planning.text import (
     symbols_from_text,
     symbols_to_text,
 )
-
-_dated_actions = DatedActions()
 
 
 class Plan(NamedTuple):
@@ -44,7 +42,7 @@ class Plan(NamedTuple):
     @classmethod
     def from_atoms(cls, atoms: Iterable[clingo.Symbol], horizon: int, shortest: bool = False) -> "Plan":
         """Return the plan in the shown ``atoms`` of an answer; other symbols are ignored."""
-        return cls(_dated_actions(atoms), horizon, shortest)
+        return cls(dated_actions(atoms), horizon, shortest)
 
     @classmethod
     def from_result(cls, result: SolveResult) -> "Optional[Plan]":

@@ -41,22 +41,9 @@ def is_action(atom: clingo.Symbol) -> bool:
     return atom.match(*ACTION)
 
 
-class DatedActions:
-    """Extracts the ``_action_lib(A,P,C)`` from the symbols of answers, if C is a number.
-
-    Consecutive answers share most symbols, so the other symbols of the last answer are cached.
-    """
-
-    def __init__(self) -> None:
-        self._others: FrozenSet[clingo.Symbol] = frozenset()
-
-    def __call__(self, symbols: Iterable[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
-        """Return the actions of an answer."""
-        answer = frozenset(symbols)
-        actions = filter(is_action, answer - self._others)
-        found = frozenset(one for one in actions if one.arguments[2].type is clingo.SymbolType.Number)
-        self._others = answer - found
-        return found
+def dated_actions(symbols: Iterable[clingo.Symbol]) -> FrozenSet[clingo.Symbol]:
+    """Return the ``_action_lib(A,P,C)`` among the symbols of an answer whose C is a number."""
+    return frozenset(one for one in filter(is_action, symbols) if one.arguments[2].type is clingo.SymbolType.Number)
 
 
 def steps_claimed(claim: clingo.Symbol, cycle: int) -> int:
