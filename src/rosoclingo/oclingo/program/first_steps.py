@@ -6,7 +6,6 @@ import clingo
 from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.survey import places
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
@@ -33,19 +32,6 @@ class _Heads(Observer):
         if self._left < 0:
             raise _TrialTooLargeError
         self.fresh.update(head)
-
-
-def suspicious_heads(parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> Set[Signature]:
-    """Return the predicates that rules of steps define without the step, or with different offsets to it."""
-    offsets: Dict[Signature, Set[object]] = {}
-    stepped: Set[Signature] = set()
-    for place in places(parts):
-        if place.defines:
-            signature, step = place.signature, place.part.parameter
-            found = time_offsets(place.occurrence.arguments, step, constants)
-            offsets.setdefault(signature, set()).update(found.values() or {None})
-            stepped.update({signature} if step else ())
-    return {signature for signature in stepped if len(offsets[signature]) != 1 or None in offsets[signature]}
 
 
 class TrialGrounding:

@@ -13,7 +13,7 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RUNNING
 from rosoclingo.oclingo.program.clingo_messages import Messages
 from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
-from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by, suspicious_heads
+from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, can_match, can_see_later
@@ -153,6 +153,15 @@ class ReactiveProgram(LoadedProgram):
         """Whether each step defines its own atoms, so that clingo can search after the grounding of any step."""
         return all(map(are_apart, self._patterns["defined"].values()))
 
+    @cached_property
+    def _suspicious_heads(self) -> Set[Signature]:
+        """The predicates of steps whose atoms base or another step could define again."""
+        found: Set[Signature] = set()
+        for signature, patterns in self._patterns["defined"].items():
+            in_steps = [bool(one.parameter) for one in patterns]
+            found.update({signature} if any(in_steps) and not (all(in_steps) and are_apart(patterns)) else ())
+        return found
+
     @property
     def defines_externals(self) -> bool:
         """Whether a rule of the program can define an external."""
@@ -234,17 +243,16 @@ class ReactiveProgram(LoadedProgram):
             *undefined_predicates(self.survey),
             *check_given_values(self.survey, self.constants),
         ]
-        if not faults and suspicious_heads(self.parts, self.values):
+        if not faults and self._suspicious_heads:
             faults += self._ground_first_steps()
         return faults
 
     def redefinition_of(self, atom: str) -> List[Fault]:
         """Return a fault for each rule that could be the second step's definition of ``atom``."""
-        suspects = suspicious_heads(self.parts, self.values)
         try:
             named = {signature_of(parse_atom(atom))}
         except ProgressionError:  # clingo did not name the atom
-            named = suspects
+            named = self._suspicious_heads
         found = redefined_by(self.parts, atom or "an atom", named)
         return found or [Fault("<program>", 0, 0, f"redefinition: {atom} is defined twice", kind="redefinition")]
 
