@@ -22,6 +22,7 @@ from rosoclingo.oclingo.reachable import reachable
 _FAR_BACK = -3
 
 _Distances = Dict[Signature, int]
+_Edge = Tuple[Signature, Signature, int]  # a body, a head, and the steps between them
 
 
 class _Timed(NamedTuple):
@@ -40,7 +41,7 @@ class Delays:
     def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
         self._known: Dict[Signature, int] = {}
         self._timed: Set[Signature] = set()
-        self._edges: List[Tuple[Signature, Signature, int]] = []
+        self._edges: List[_Edge] = []
         self._constraints: List[List[_Timed]] = []
         self._choices: Set[Signature] = set()
         for part in parts:
@@ -48,7 +49,8 @@ class Delays:
                 self._add_statement(part, statement, found, constants)
         ends = [edge[:2] for edge in self._edges]  # both have a time if one has
         self._timed = reachable(self._timed, lambda one: (end for edge in ends if one in edge for end in edge))
-        self._after_actions = self._spread(self._sources())
+        after_actions = self._spread(self._sources())
+        self._edges += [edge for atoms in self._constraints for edge in _edges_to_actions(atoms, after_actions)]
 
     def of(self, signature: Signature) -> Optional[int]:
         """Return 0 or 1, the least number of cycles from a fact of the predicate to an action that it affects.
@@ -56,10 +58,7 @@ class Delays:
         Return 0 if no rule determines the delay, and None if the last argument is not known to be a cycle.
         """
         if signature in self._timed and signature not in self._known:
-            seen = self._spread({signature: 0})
-            found = [seen[ACTION]] if ACTION in seen else []
-            found += [least for atoms in self._constraints for least in self._least(atoms, seen)]
-            self._known[signature] = min(1, max(0, min(found, default=0)))
+            self._known[signature] = min(1, max(0, self._spread({signature: 0}).get(ACTION, 0)))
         return self._known.get(signature)
 
     def _add_statement(
@@ -102,18 +101,14 @@ class Delays:
                         found[head], changed = reached, True
         return found
 
-    def _least(self, atoms: List[_Timed], seen: _Distances) -> Iterator[int]:
-        """Yield the distances from seen atoms to the last action in the same constraint."""
-        for one in atoms:
-            if one.signature not in seen:
-                continue
-            acts = [
-                other.offset - self._after_actions[other.signature]
-                for other in atoms
-                if other.signature in self._after_actions and other.name == one.name
-            ]
-            if acts:
-                yield max(acts) - one.offset + seen[one.signature]
+
+def _edges_to_actions(atoms: List[_Timed], after_actions: _Distances) -> Iterator[_Edge]:
+    """Yield the dependencies of the last action in a constraint on the atoms of the constraint."""
+    for one in atoms:
+        same_time = (other for other in atoms if other.name == one.name and other.signature in after_actions)
+        acts = [other.offset - after_actions[other.signature] for other in same_time]
+        if acts:
+            yield one.signature, ACTION, max(acts) - one.offset
 
 
 def _timed_atoms(
