@@ -10,11 +10,11 @@ from rosoclingo.oclingo.gringo3.evidence import Evidence
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, TranslationError
 from rosoclingo.oclingo.gringo3.optimization import OptimizationWriter
-from rosoclingo.oclingo.gringo3.rewriter import Rewriting
+from rosoclingo.oclingo.gringo3.rewriter import rewritten
 from rosoclingo.oclingo.gringo3.rules import RuleWriter
 from rosoclingo.oclingo.gringo3.terms import (
     Element,
-    VariableScope,
+    ProgramScope,
     alternatives,
     has_interval,
     has_pool,
@@ -25,42 +25,6 @@ from rosoclingo.oclingo.gringo3.visibility import ShowStatement, Visibility, sig
 
 MARK = "% dialect: clingo 5"
 """The comment at the end of a translation."""
-
-_HOLDERS = ("list", "pool", "comparison", "weight", "priority")
-"""Kinds of nodes whose parts are terms; arithmetic is not among them, as gringo 3 rejects names there."""
-
-
-class ConstantUses:
-    """Records where names occur as terms before a ``#const`` defines them.
-
-    gringo 3 replaces a constant only in later statements, clingo 5 everywhere.
-    """
-
-    def __init__(self) -> None:
-        self._used: Dict[str, str] = {}
-
-    def note(self, file: str, statement: SyntaxNode) -> None:
-        """Record the names that a statement uses as terms outside of arithmetic."""
-        for node in statement.walk():
-            for part in node.parts if node.kind in _HOLDERS else ():
-                if part.kind == "symbol" and part.first.type == "IDENTIFIER":
-                    self._used.setdefault(part.text, f"{file}:{part.line}")
-
-    def define(self, const: SyntaxNode, name: str) -> None:
-        """Record a ``#const``; raise :class:`UntranslatableError` if an earlier statement uses its name."""
-        if name in self._used:
-            message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
-            raise UntranslatableError(const, message, f"put the #const before its use in {self._used[name]}")
-
-
-class ProgramScope:
-    """Declarations that affect later files: ``#domain``, ``#show``, ``#hide``, constants, optimization levels."""
-
-    def __init__(self, scope: VariableScope) -> None:
-        self.variables = scope
-        self.visibility = Visibility(scope)
-        self.levels = 0
-        self.constants = ConstantUses()
 
 
 def translate_sources(
@@ -91,8 +55,9 @@ def translate_sources(
 def _translations(evidence: Sequence[Evidence], dialects: Sequence[Dialect]) -> List["FileTranslator"]:
     """Translate all files; ``#show`` and ``#hide`` statements come last, since they affect the whole program."""
     variables = (one.text for found in evidence for one in found.source.tokens if one.kind is TokenKind.VARIABLE)
-    program = ProgramScope(VariableScope(variables))
-    translators = [FileTranslator(program, one, dialect) for one, dialect in zip(evidence, dialects)]
+    scope = ProgramScope(variables)
+    visibility = Visibility(scope)
+    translators = [FileTranslator(scope, visibility, one, dialect) for one, dialect in zip(evidence, dialects)]
     for one in translators:
         one.run()
     for one in translators:
@@ -121,23 +86,23 @@ class FileTranslator:
 
     """
 
-    def __init__(self, program: ProgramScope, evidence: Evidence, dialect: Dialect) -> None:
-        self._program, self._evidence, self._dialect = program, evidence, dialect
+    def __init__(self, scope: ProgramScope, visibility: Visibility, evidence: Evidence, dialect: Dialect) -> None:
+        self._scope, self._visibility, self._evidence, self._dialect = scope, visibility, evidence, dialect
         self.source = evidence.source
         self._name, self._file = self.source.name, PurePath(self.source.name).name
-        self.rewriting = Rewriting(self.source.text, self.source.tokens)
+        self._texts: Dict[int, str] = {}  # the translated statements, by their numbers
         self.remarks: List[Fault] = []
         self.faults: List[Fault] = []
         self.own_text = ""
-        self._rules = RuleWriter(program.variables)
-        self._optimization = OptimizationWriter(program.variables, self._file)
+        self._rules = RuleWriter(scope)
+        self._optimization = OptimizationWriter(scope, self._file)
         self._step = ""
         self._displays: List[Tuple[int, ShowStatement]] = []  # with the numbers of the statements
 
     @property
     def text(self) -> str:
         """The translation; if it differs from the source, it ends with a comment that names its language."""
-        text = self.rewriting.result()
+        text = rewritten(self.source, self._texts)
         if text == self.source.text:
             return text
         return text + ("" if text.endswith("\n") else "\n") + MARK + "\n"
@@ -153,13 +118,13 @@ class FileTranslator:
                     self._keep(tokens)
             except UntranslatableError as error:
                 self.faults.append(error.fault(self._name))
-        self.own_text = self.rewriting.result()
+        self.own_text = rewritten(self.source, self._texts)
 
     def translate_displays(self) -> None:
         """Translate ``#show`` and ``#hide`` statements, after all files were translated."""
         for number, statement in self._displays:
             try:
-                self.rewriting.replace(*self.source.ranges[number], self._program.visibility.text(statement))
+                self._texts[number] = self._visibility.text(statement)
             except UntranslatableError as error:
                 self.faults.append(error.fault(self._name))
 
@@ -177,25 +142,24 @@ class FileTranslator:
                 return  # the loader reports malformed directives
             raise tree
         if tree.kind == "display":
-            statement = ShowStatement(tree, self._step, self._program.variables.domains_of(variables([tree])))
+            statement = ShowStatement(tree, self._step, self._scope.domains_of(variables([tree])))
             self._displays.append((number, statement))
-            self._program.visibility.add(statement)
+            self._visibility.add(statement)
         elif tree.kind in _WRITERS:
-            text = _WRITERS[tree.kind](self, tree)
-            self.rewriting.replace(*self.source.ranges[number], text)
-            self._program.visibility.note(text, self._step)
+            self._texts[number] = _WRITERS[tree.kind](self, tree)
+            self._visibility.note(self._texts[number], self._step)
         if tree.kind != "const":
-            self._program.constants.note(self._file, tree)
-        self._program.variables.used.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
+            self._scope.note_terms(self._file, tree)
+        self._scope.used.update(token.text for token in tokens if token.kind is TokenKind.VARIABLE)
 
     def _keep(self, tokens: Sequence[SourceToken]) -> None:
         """Keep a statement of clingo 5."""
         if tokens[0].text == "#program":
             self._step = tokens[3].text if len(tokens) > 5 and tokens[2].text == "(" else ""
-        if self._program.variables.domains_of([one.text for one in tokens]):
+        if self._scope.domains_of([one.text for one in tokens]):
             message = "a statement of clingo 5 cannot use a variable that #domain declares"
             raise UntranslatableError(tokens[0], message, "use another variable")
-        self._program.visibility.note(self.source.text[tokens[0].start : tokens[-1].end], self._step)
+        self._visibility.note(self.source.text[tokens[0].start : tokens[-1].end], self._step)
 
     def _weak(self, weak: SyntaxNode) -> str:
         return self._optimization.weak(weak, *self._rules.weak(weak), self._step)
@@ -213,7 +177,7 @@ class FileTranslator:
             raise UntranslatableError(const, message, f"write {show(term)} in place of {name}")
         if any(part.kind == "variable" for part in term.walk()):
             raise UntranslatableError(const, "the value of a constant cannot contain a variable")
-        self._program.constants.define(const, name)
+        self._scope.define_constant(const, name)
         return _shown(const)
 
     def _domain(self, domain: SyntaxNode) -> str:
@@ -223,11 +187,11 @@ class FileTranslator:
         if not terms or any(term.kind != "variable" or term.text == "_" for term in terms):
             raise UntranslatableError(literal, "#domain takes an atom whose arguments are variables")
         names = [term.text for term in terms]
-        early = [name for name in names if name in self._program.variables.used]
+        early = [name for name in names if name in self._scope.used]
         if early:
             message = f"#domain does not apply to earlier statements that use {', '.join(early)}"
             self.remarks.append(Fault(self._name, domain.line, domain.column, message, kind="translation"))
-        self._program.variables.domains.append((show(literal), names))
+        self._scope.domains.append((show(literal), names))
         return ""
 
     def _external(self, external: SyntaxNode) -> str:
@@ -235,16 +199,16 @@ class FileTranslator:
         if declared.kind == "signature":
             name, arity = signature(declared)
             arguments = f"({','.join('_' * arity)})" if arity else ""
-            self._program.visibility.note(f"#external {name}{arguments}.", self._step)
+            self._visibility.note(f"#external {name}{arguments}.", self._step)
             return _shown(external)
         element = Element.of(declared)
         conditions = [show(found) for condition in element.conditions for found in alternatives(condition)]
-        conditions += self._program.variables.domains_of(variables([declared]))
+        conditions += self._scope.domains_of(variables([declared]))
         return f"#external {show(element.literal)}{' : ' if conditions else ''}{', '.join(conditions)}."
 
     def _optimize(self, statement: SyntaxNode) -> str:
-        self._program.levels += 1
-        return self._optimization.optimize(statement, self._program.levels - 1, self._step)
+        self._scope.levels += 1
+        return self._optimization.optimize(statement, self._scope.levels - 1, self._step)
 
 
 _WRITERS: Dict[str, Callable[[FileTranslator, SyntaxNode], str]] = {

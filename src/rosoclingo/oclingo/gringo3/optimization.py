@@ -9,13 +9,13 @@ from typing import List, Sequence
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.rules import instance
-from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, has_interval, has_pool, show, variables
+from rosoclingo.oclingo.gringo3.terms import Element, ProgramScope, has_interval, has_pool, show, variables
 
 
 class OptimizationWriter:
     """Translates the optimization statements of one file."""
 
-    def __init__(self, scope: VariableScope, file: str) -> None:
+    def __init__(self, scope: ProgramScope, file: str) -> None:
         self._scope, self._file = scope, file
         self._weak_constraints = 0
 

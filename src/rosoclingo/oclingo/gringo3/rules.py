@@ -9,7 +9,7 @@ from typing import Callable, List, Sequence, Tuple
 
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import PARITIES, Aggregate, UntranslatableError, aggregate_of
-from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, alternatives, check_single, show, variables
+from rosoclingo.oclingo.gringo3.terms import Element, ProgramScope, alternatives, check_single, show, variables
 
 _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
 """For each relation between a lower bound and an average, the relation between the average and the bound."""
@@ -18,7 +18,7 @@ _MIRRORED = {"": ">=", "<=": ">=", ">=": "<=", "==": "=="}
 class RuleWriter:
     """Translates rules, their bodies and their aggregates."""
 
-    def __init__(self, scope: VariableScope) -> None:
+    def __init__(self, scope: ProgramScope) -> None:
         self._scope = scope
 
     def rule(self, rule: SyntaxNode) -> str:

@@ -2,13 +2,16 @@
 
 import itertools
 import math
-from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
 from rosoclingo.oclingo.grammars import SyntaxNode, Token
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 
 MAXIMAL_ALTERNATIVES = 10000
 """Maximum number of literals in the expansion of a literal with pools."""
+
+_HOLDERS = ("list", "pool", "comparison", "weight", "priority")
+"""Kinds of nodes whose parts are terms; arithmetic is not among them, as gringo 3 rejects names there."""
 
 _TODAY = {":=": "=", "#mod": "\\", "#div": "/", "#pow": "**", ";;": ";"}
 
@@ -99,12 +102,13 @@ def alternatives(node: SyntaxNode) -> List[SyntaxNode]:
     return _alternatives(node)
 
 
-class VariableScope:
-    """The variables of a program.
+class ProgramScope:
+    """The names of a program, and what its earlier statements have declared.
 
     Attributes:
         domains: the atoms that ``#domain`` declares, each with its variables.
         used: the variables of the earlier statements.
+        levels: the number of earlier optimization statements.
 
     """
 
@@ -112,8 +116,10 @@ class VariableScope:
         """Create a scope; ``reserved`` are all variables in the text of the program."""
         self._reserved: Set[str] = set(reserved)
         self._count = 0
+        self._terms: Dict[str, str] = {}  # the names that statements use as terms, each with its first place
         self.domains: List[Tuple[str, List[str]]] = []
         self.used: Set[str] = set()
+        self.levels = 0
 
     def fresh(self) -> SyntaxNode:
         """Return a variable that is neither in the text nor the result of an earlier call."""
@@ -124,6 +130,22 @@ class VariableScope:
     def domains_of(self, names: Iterable[str]) -> List[str]:
         """Return the ``#domain`` atoms that declare one of the variables."""
         return [atom for atom, own in self.domains if not set(names).isdisjoint(own)]
+
+    def note_terms(self, file: str, statement: SyntaxNode) -> None:
+        """Record the names that a statement uses as terms outside of arithmetic."""
+        for node in statement.walk():
+            for part in node.parts if node.kind in _HOLDERS else ():
+                if part.kind == "symbol" and part.first.type == "IDENTIFIER":
+                    self._terms.setdefault(part.text, f"{file}:{part.line}")
+
+    def define_constant(self, const: SyntaxNode, name: str) -> None:
+        """Raise :class:`UntranslatableError` if a statement before a ``#const`` uses its name.
+
+        gringo 3 replaces a constant only in later statements, clingo 5 everywhere.
+        """
+        if name in self._terms:
+            message = f"gringo 3 does not replace '{name}' in the statements before this #const, but clingo 5 does"
+            raise UntranslatableError(const, message, f"put the #const before its use in {self._terms[name]}")
 
 
 class Element(NamedTuple):
@@ -185,7 +207,7 @@ class Element(NamedTuple):
             self._replace(literal=one, conditions=(*more, *rest), terms=terms) for one, *more in heads for terms in ways
         ]
 
-    def without_intervals(self, scope: VariableScope) -> "Element":
+    def without_intervals(self, scope: ProgramScope) -> "Element":
         """Return the element with a variable for each interval and a condition ``variable = interval``."""
         ranges: List[SyntaxNode] = []
 
@@ -205,7 +227,7 @@ class Element(NamedTuple):
         conditions = [one if is_range(one) else replace(one, name) for one in self.conditions]
         return self._replace(literal=literal, conditions=(*conditions, *ranges))
 
-    def named(self, scope: VariableScope) -> "Element":
+    def named(self, scope: ProgramScope) -> "Element":
         """Return the element with a unique variable for each ``_``."""
 
         def name(term: SyntaxNode) -> SyntaxNode:
@@ -214,7 +236,7 @@ class Element(NamedTuple):
         literal, *conditions = (replace(one, name) for one in self.literals)
         return self._replace(literal=literal, conditions=tuple(conditions))
 
-    def counted(self, scope: VariableScope) -> "Element":
+    def counted(self, scope: ProgramScope) -> "Element":
         """Return the element with variables for intervals and ``_``, so that a multiset counts each instance."""
         if any(term is not None and has_interval(term) for term in (self.weight, self.priority)):
             message = "an interval as weight or priority is ambiguous"

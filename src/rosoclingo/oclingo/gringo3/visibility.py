@@ -12,7 +12,7 @@ from clingo.ast import AST, ASTType, parse_string
 
 from rosoclingo.oclingo.grammars import SyntaxNode
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
-from rosoclingo.oclingo.gringo3.terms import Element, VariableScope, show
+from rosoclingo.oclingo.gringo3.terms import Element, ProgramScope, show
 
 Signature = Tuple[str, int]
 """Name and arity of a predicate; the name of a classically negated one begins with ``-``."""
@@ -62,7 +62,7 @@ class ShowStatement:
 class Visibility:
     """Collects the atoms that a program shows, hides and defines, and writes clingo 5's ``#show`` statements."""
 
-    def __init__(self, scope: VariableScope) -> None:
+    def __init__(self, scope: ProgramScope) -> None:
         self._scope = scope
         self._statements: List[ShowStatement] = []
         self._texts: List[Tuple[str, str]] = []
