@@ -66,7 +66,7 @@ def is_predictable(program: ReactiveProgram) -> bool:
     An answer must show its actions but no returns, and the program must not optimize: a return could then allow a
     better answer.
     """
-    shows = ACTION in program.shows and RETURN not in program.shows
+    shows = ACTION in program.survey.shown and RETURN not in program.survey.shown
     return shows and not program.optimizes and return_rules(program) is not None
 
 

@@ -4,15 +4,11 @@ Without these checks such a fault would show in the middle of a run, or as a pla
 uses rosoclingo's keywords, most findings are errors. In other programs, written for oClingo, they are warnings.
 """
 
-from typing import Dict, List, Sequence, Set, Tuple
-
-import clingo
-from clingo.ast import ASTType
+from typing import List, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.survey import Place, places, term_text
+from rosoclingo.oclingo.program.survey import Place, Survey, places, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
 _FORMS = {
@@ -63,23 +59,14 @@ def missing_parts(parts: Sequence[Part]) -> List[Fault]:
     return [Fault(first, 0, 0, f"the program has no {name} part", remedies[name], "missing-part") for name in missing]
 
 
-def late_externals(
-    parts: Sequence[Part], opens: Set[Signature], heads: Set[Signature], constants: Dict[str, clingo.Symbol]
-) -> List[Fault]:
+def late_externals(survey: Survey) -> List[Fault]:
     """Return a fault for each rule that uses an external before the step that declares it."""
-    declared: Dict[Signature, List[Place]] = {}
-    used: List[Place] = []
-    for place in places(parts):
-        if place.occurrence.head and place.statement.ast_type == ASTType.External:
-            declared.setdefault(place.occurrence.signature, []).append(place)
-        elif not place.occurrence.head:
-            used.append(place)
     found = []
-    for place in used:
-        signature = place.occurrence.signature
-        known = declared.get(signature, []) if signature not in opens | heads else []
-        if known and all(_too_late(place, one, constants) for one in known):
-            found.append(place.fault("late-external", *_late(place, known[0])))
+    for signature, declared in survey.declaring.items():
+        if signature not in survey.opened and signature not in survey.defining:
+            uses = survey.using.get(signature, ())
+            late = (use for use in uses if all(_too_late(survey, use, one) for one in declared))
+            found += [use.fault("late-external", *_late(use, declared[0])) for use in late]
     return found
 
 
@@ -96,13 +83,12 @@ def _late(use: Place, declaration: Place) -> Tuple[str, str]:
     )
 
 
-def _too_late(use: Place, declaration: Place, constants: Dict[str, clingo.Symbol]) -> bool:
+def _too_late(survey: Survey, use: Place, declaration: Place) -> bool:
     """Return whether the declaration comes at a later step than the use."""
     if not declaration.part.parameter:
         return False
     if not use.part.parameter:
         return True
-    ahead = time_offsets(use.occurrence.arguments, use.part.parameter, constants)
-    known = time_offsets(declaration.occurrence.arguments, declaration.part.parameter, constants)
+    ahead, known = survey.steps(use), survey.steps(declaration)
     position = min(ahead.keys() & known.keys(), default=None)
     return position is not None and ahead[position] > known[position]

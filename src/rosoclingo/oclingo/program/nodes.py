@@ -9,8 +9,6 @@ from typing import Any, Callable, List, Optional
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
 
-_COMMENTS = (getattr(ASTType, "Comment", None),)  # of clingo 5.7 and later
-
 
 class Node:
     """A statement, literal or term with the attributes of its ``AST``: child nodes as ``Node``, sequences as lists.
@@ -105,7 +103,7 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
     """
     found: List[AST] = []
     parse_string(text, found.append, logger=logger)
-    return [Node(one) for one in found if one.ast_type not in _COMMENTS]
+    return [Node(one) for one in found if one.ast_type != ASTType.Comment]
 
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:

@@ -2,7 +2,7 @@
 
 from functools import cached_property
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Set, Union
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Union
 
 import clingo
 from clingo.ast import ASTType
@@ -15,7 +15,6 @@ from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
-from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, can_match, can_see_later
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.program.survey import Survey, places
@@ -201,17 +200,9 @@ class ReactiveProgram(LoadedProgram):
         return found
 
     @cached_property
-    def shows(self) -> Set[Signature]:
-        """The predicates of ``#show p/n.``"""
-        return {Signature(one.name, one.arity, bool(one.positive)) for one in self._of_kind(ASTType.ShowSignature)}
-
-    @cached_property
     def optimizes(self) -> bool:
         """Whether there are ``#minimize`` statements."""
-        return any(self._of_kind(ASTType.Minimize))
-
-    def _of_kind(self, kind: ASTType) -> Iterator[Node]:
-        return (one for part in self.parts for one in part.statements if one.ast_type == kind)
+        return any(one.ast_type == ASTType.Minimize for part in self.parts for one in part.statements)
 
     @cached_property
     def _patterns(self) -> Dict[str, Dict[Signature, List[Pattern]]]:
@@ -233,7 +224,7 @@ class ReactiveProgram(LoadedProgram):
         """Return all faults that show in the program or in its first steps; add warnings to the remarks."""
         faults = checks.wrong_arities(self.parts) + self._load_faults
         odd = checks.missing_parts(self.parts)
-        late = checks.late_externals(self.parts, self.open_signatures, self.head_signatures, self.values)
+        late = checks.late_externals(self.survey)
         if checks.uses_keywords(self.parts):
             faults += [one for one in odd if "volatile part" not in one.message] + late
             odd, late = [one for one in odd if one not in faults], []
