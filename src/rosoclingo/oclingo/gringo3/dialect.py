@@ -7,9 +7,9 @@ clingo's parser shows which statements clingo does not accept. The remaining dec
 import enum
 import re
 from functools import cached_property
-from typing import List, Optional, Sequence, Set
+from typing import Callable, List, Optional, Sequence, Set
 
-from clingo.ast import parse_string
+from clingo.ast import AST, parse_string
 
 from rosoclingo.oclingo.gringo3.lexer import SourceToken, TokenKind, comments, statements, tokens
 
@@ -111,14 +111,14 @@ def is_signature(statement: Sequence[SourceToken]) -> bool:
     return parts and (slash.text, dot.text) == ("/", ".") and statement[-5].text in ("#external", "-")
 
 
-def accepted_by_clingo(text: str) -> bool:
-    """Return whether clingo's parser accepts a text.
+def accepted_by_clingo(text: str, found: Callable[[AST], None] = lambda statement: None) -> bool:
+    """Return whether clingo's parser accepts a text; ``found`` gets the statements up to the first error.
 
     The text is converted to ASCII: clingo's module aborts the process if a message cuts a longer character.
     """
     try:
         plain = text.encode("ascii", "replace").decode("ascii")
-        parse_string(plain, lambda node: None, logger=lambda code, message: None)
+        parse_string(plain, found, logger=lambda code, message: None)
     except RuntimeError:
         return False
     return True

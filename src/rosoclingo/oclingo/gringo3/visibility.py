@@ -4,13 +4,13 @@ gringo 3 shows all atoms that are not hidden; clingo 5 shows all atoms only if t
 therefore depends on all files of a program.
 """
 
-import contextlib
 from functools import cached_property
 from typing import Dict, Iterator, List, Sequence, Tuple
 
-from clingo.ast import AST, ASTType, parse_string
+from clingo.ast import AST, ASTType
 
 from rosoclingo.oclingo.grammars import SyntaxNode
+from rosoclingo.oclingo.gringo3.dialect import accepted_by_clingo
 from rosoclingo.oclingo.gringo3.grammar import UntranslatableError
 from rosoclingo.oclingo.gringo3.terms import Element, ProgramScope, show
 
@@ -154,10 +154,7 @@ def whole_predicate(element: Element) -> List[Signature]:
 
 
 def head_signatures(text: str) -> List[Signature]:
-    """Return the signatures of atoms in heads and ``#external`` statements, up to the first syntax error.
-
-    The text is converted to ASCII: clingo's module aborts the process if a message cuts a longer character.
-    """
+    """Return the signatures of atoms in heads and ``#external`` statements, up to the first syntax error."""
     found: List[Signature] = []
 
     def collect(statement: AST) -> None:
@@ -165,9 +162,7 @@ def head_signatures(text: str) -> List[Signature]:
             head = statement.head if statement.ast_type == ASTType.Rule else statement.atom
             found.extend(signature for atom in _atoms(head) for signature in _signatures_of_term(atom.symbol))
 
-    plain = text.encode("ascii", "replace").decode("ascii")
-    with contextlib.suppress(RuntimeError):  # the loader reports the error
-        parse_string(plain, collect, logger=lambda code, message: None)
+    accepted_by_clingo(text, collect)  # the loader reports errors
     return found
 
 
