@@ -77,8 +77,7 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt) -> F
     message = match.group("text").strip()
     for form, written in _REPLACEMENTS:
         message = form.sub(written, message)
-    if "#Inc0" in message:
-        message = message.replace("#Inc0", parameter_at(file, line))
+    message = message.replace("#Inc0", parameter_at(file, line))
     remedy, kind = "", "syntax" if match.group("kind") == "error" else "clingo"
     variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
     if variables:

@@ -1,7 +1,7 @@
 """Types of command-line arguments; argparse reports invalid values."""
 
 import argparse
-from typing import Dict, Sequence
+from typing import Callable, Dict, Sequence
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 
@@ -12,25 +12,26 @@ TRIAL_SECONDS = 60.0
 """Seconds of wall time for the plan of each trial request, and as much for explaining why there is none."""
 
 
-def positive(text: str) -> int:
-    """Parse an integer of at least 1."""
-    return _number(text, 1, 2**31 - 1)
+def integer(lowest: int, highest: int = 2**31 - 1) -> Callable[[str], int]:
+    """Return a type of arguments: the integers from ``lowest`` to ``highest``."""
+
+    def parse(text: str) -> int:
+        """Parse an integer."""
+        if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
+            return int(text)
+        raise argparse.ArgumentTypeError(f"{text!r} is not an integer from {lowest} to {highest}")
+
+    return parse
 
 
-def natural(text: str) -> int:
-    """Parse an integer of at least 0."""
-    return _number(text, 0, 2**31 - 1)
+#: Parses an integer of at least 1.
+positive = integer(1)
 
+#: Parses an integer of at least 0.
+natural = integer(0)
 
-def port(text: str) -> int:
-    """Parse a TCP port; 0 stands for any free port."""
-    return _number(text, 0, 65535)
-
-
-def _number(text: str, lowest: int, highest: int) -> int:
-    if text.isascii() and text.isdigit() and len(text) <= 10 and lowest <= int(text) <= highest:
-        return int(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is not an integer from {lowest} to {highest}")
+#: Parses a TCP port; 0 stands for any free port.
+port = integer(0, 65535)
 
 
 def duration(text: str) -> float:

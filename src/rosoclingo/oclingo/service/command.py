@@ -16,7 +16,7 @@ from rosoclingo.oclingo.errors import ProgramError, SolverError
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.service.arguments import constants_of, duration, natural, port, positive, seconds
-from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOutput
+from rosoclingo.oclingo.service.output import JsonOutput, ProgressReport, TextOutput, write
 from rosoclingo.oclingo.service.protocol import DEFAULT_PORT
 from rosoclingo.oclingo.service.session import Output, Session
 from rosoclingo.oclingo.solving.stream_solver import StreamSolver
@@ -197,8 +197,7 @@ def _serve(solver: StreamSolver, options: argparse.Namespace) -> int:
         why = os.strerror(error.errno) if error.errno and error.errno > 0 else error.strerror or error
         raise OSError(f"can't listen on {host}:{port}: {why}; choose another --port or --host") from None
     host, port = listener.getsockname()[:2]
-    sys.stdout.write(f"Listening on {host}:{port}\n")
-    sys.stdout.flush()
+    write(sys.stdout, f"Listening on {host}:{port}\n")
     try:
         Service(solver, listener, options.time_limit).run()
     except KeyboardInterrupt:
@@ -247,5 +246,4 @@ def _source(file: str) -> Source:
 
 
 def _say(text: str) -> None:
-    sys.stderr.write(text + "\n")
-    sys.stderr.flush()
+    write(sys.stderr, text + "\n")

@@ -8,6 +8,12 @@ from rosoclingo.oclingo.service.table import format_answer
 from rosoclingo.oclingo.solving.results import SolveOutcome, SolveResult
 
 
+def write(stream: IO[str], text: str) -> None:
+    """Write a text to a stream at once."""
+    stream.write(text)
+    stream.flush()
+
+
 class ProgressReport:
     """Reports the progress of a search: on one line of a terminal, else on a new line every ten seconds."""
 
@@ -22,18 +28,14 @@ class ProgressReport:
         if seconds - self._last >= self._interval:
             self._last = seconds
             text = f"{what}: at step {reached}, no answer yet after {seconds:.0f} s"
-            self._write(f"\r{text:<{self._width}}" if self._is_live else f"{text}\n")
+            write(self._stream, f"\r{text:<{self._width}}" if self._is_live else f"{text}\n")
             self._width = len(text)
 
     def clear(self) -> None:
         """Clear the line at the end of a search."""
         if self._is_live and self._last:
-            self._write("\r" + " " * self._width + "\r")
+            write(self._stream, "\r" + " " * self._width + "\r")
         self._last = 0.0
-
-    def _write(self, text: str) -> None:
-        self._stream.write(text)
-        self._stream.flush()
 
 
 class TextOutput:
@@ -46,29 +48,25 @@ class TextOutput:
     def print_update(self, update: StreamUpdate) -> None:
         """Print an update."""
         if self._echo:
-            self._write(str(update))
+            write(self._stream, str(update))
 
     def print_result(self, update: StreamUpdate, result: SolveResult) -> None:
         """Print the result of an update."""
         for warning in result.warnings:
-            self._write(f"Warning: {warning}\n")
+            write(self._stream, f"Warning: {warning}\n")
         for number, answer in enumerate(result.answers, 1):
-            self._write(f"Answer {number}, horizon {result.horizon}\n")
-            self._write(format_answer(answer, result.horizon + 1, self._width) or "(no atom)\n")
+            write(self._stream, f"Answer {number}, horizon {result.horizon}\n")
+            write(self._stream, format_answer(answer, result.horizon + 1, self._width) or "(no atom)\n")
         if result.outcome is SolveOutcome.UNSATISFIABLE:
             ever = ", for good" if result.permanent else ""
-            self._write(f"UNSAT at step {result.horizon}{ever}\n")
+            write(self._stream, f"UNSAT at step {result.horizon}{ever}\n")
         elif result.outcome is SolveOutcome.INTERRUPTED:
-            self._write(f"Interrupted at horizon {result.horizon}; the update stays in force\n")
-        self._write("\n")
+            write(self._stream, f"Interrupted at horizon {result.horizon}; the update stays in force\n")
+        write(self._stream, "\n")
 
     def print_error(self, text: str, **where: str) -> None:
         """Print an error; ``where`` is the ``update`` that was refused, or the ``place`` in the text of one."""
-        self._write(f"{where.get('place', 'Error')}: {text}\n\n")
-
-    def _write(self, text: str) -> None:
-        self._stream.write(text)
-        self._stream.flush()
+        write(self._stream, f"{where.get('place', 'Error')}: {text}\n\n")
 
 
 class JsonOutput:
@@ -104,5 +102,4 @@ class JsonOutput:
         self._write(**where, error=text)
 
     def _write(self, **members: Any) -> None:
-        self._stream.write(json.dumps(members) + "\n")
-        self._stream.flush()
+        write(self._stream, json.dumps(members) + "\n")
