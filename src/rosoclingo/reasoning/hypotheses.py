@@ -8,7 +8,7 @@ from clingo import Symbol
 
 from rosoclingo.oclingo import SolverError, Statement, StreamUpdate
 from rosoclingo.planning.minimal_sets import UndecidedError
-from rosoclingo.planning.question import UNKNOWN, Reply
+from rosoclingo.planning.question import Reply
 from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.input_feeder import Clock, requests_of
 from rosoclingo.reasoning.keywords import Action, cancellation
@@ -82,7 +82,8 @@ class Hypotheses:
     def ask(self, kept: Collection[Goal], facts: FrozenSet[Symbol], steps: int = 0) -> Reply:
         """Return whether there is a plan for the goals ``kept`` if only ``facts`` of the assumable facts hold.
 
-        The maximum number of steps is the lookahead of the planner, or ``steps`` if that is larger.
+        The maximum number of steps is the lookahead of the planner, or ``steps`` if that is larger. Raises
+        UndecidedError if this was not decided in time.
         """
         dropped = [goal for goal in self._impasse.goals if goal not in kept]
         disabled = self._assumable - facts - frozenset(self._cancels(dropped)) - self._requests(kept)
@@ -92,9 +93,12 @@ class Hypotheses:
                 self._trial_planner = (
                     self._planner.before_update() if self._way is Way.KEPT else self._planner.restarted()
                 )
-            return self._trial_planner.inquire(self._update, self._assumable, disabled, steps)
+            reply = self._trial_planner.inquire(self._update, self._assumable, disabled, steps)
         except SolverError:  # the update takes too long, or is refused
-            return UNKNOWN
+            raise UndecidedError from None
+        if reply.satisfiable is None:
+            raise UndecidedError
+        return reply
 
     def _cancels(self, goals: Collection[Goal]) -> List[Symbol]:
         return self._impasse.cancels(goals) if self._way is Way.CANCELLED else []

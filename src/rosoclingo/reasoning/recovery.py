@@ -208,10 +208,7 @@ class _Finder:
 
         The plan can have ``steps`` steps, or the usual number if that is larger.
         """
-        reply = self._hypotheses.ask(kept, facts_of(seen), steps)
-        if reply.satisfiable is None:
-            raise UndecidedError
-        return reply.satisfiable
+        return bool(self._hypotheses.ask(kept, facts_of(seen), steps).satisfiable)
 
     def recover(self) -> Recovery:
         """Drop as few goals as possible; raises UndecidedError."""

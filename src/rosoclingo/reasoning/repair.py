@@ -6,7 +6,7 @@ Newer facts are withheld before older ones, and other facts before returns. A fa
 commitment to its action if that leaves an answer; the action then counts as not done.
 """
 
-from typing import Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from clingo import Symbol
 
@@ -180,11 +180,12 @@ class _Finder:
         count as not done.
         """
         facts = (self._known - facts_of(doubted) - undone).union((moved or {}).values())
-        replies: List[Reply] = []
-        for one in self._hypotheses:
-            replies.append(one.ask((), facts))
-            if replies[-1].satisfiable:
-                return replies[-1]
-        if any(reply.satisfiable is None for reply in replies):
-            raise UndecidedError
-        return Reply(False, core=frozenset().union(*(reply.core for reply in replies)))
+        core: Set[Symbol] = set()
+
+        def answers(one: Hypotheses) -> Optional[Reply]:
+            """Return the reply if there is an answer, else None."""
+            reply = one.ask((), facts)
+            core.update(reply.core)
+            return reply if reply.satisfiable else None
+
+        return first_found(self._hypotheses, answers) or Reply(False, core=frozenset(core))
