@@ -1,21 +1,20 @@
 """Checks of the order forms of a web page against a program."""
 
 from itertools import islice
-from typing import Iterator, List, Sequence, Tuple
+from typing import Iterator, Sequence, Tuple
 
 from rosoclingo.checking.extension import Kinds
 from rosoclingo.checking.sample_requests import names_in_facts
 from rosoclingo.interfaces.checking.yaml_places import YamlFile
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.survey import term_text
-from rosoclingo.oclingo.progression.terms import Signature, parse_atom, parse_term
+from rosoclingo.oclingo.progression.terms import parse_atom, parse_term
 from rosoclingo.reasoning.keywords import request
+from rosoclingo.reasoning.relevance import RelevanceAnalysis
 from rosoclingo.runs.orders import OrderForm
 
-#: Greatest numbers of goals of an order that are checked, and of atoms that a message lists.
-_CHECKED, _LISTED = 50, 4
-
+#: Greatest number of goals of an order that are checked.
+_CHECKED = 50
 
 Orders = YamlFile[Sequence[OrderForm]]
 
@@ -37,8 +36,8 @@ def _samples(
 
 
 def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]) -> Iterator[Fault]:
-    """Yield the orders whose goals no rule asks for, and the facts for which the program declares no external."""
-    first = program.first_step
+    """Yield the orders whose goals no rule can see, and the facts for which the program declares no external."""
+    relevance = RelevanceAnalysis.of(program)
     for index, (form, facts) in enumerate(_samples(file, program, labels)):
         atom = next((parse_atom(one) for one in facts if form.is_fact), None)
         if atom is not None and not program.declares_external(atom.name, len(atom.arguments)):
@@ -46,13 +45,7 @@ def unheard_orders(file: Orders, program: ReactiveProgram, labels: Sequence[str]
             yield file.fault(text, "unheard-order")
     for index, goals in enumerate(order_requests(file, program, labels)):
         tried = list(islice(goals, _CHECKED))
-        requests = (request(parse_term(one), first + 1) for one in tried)
-        if tried and not any(program.can_see([one], first, first + 1) for one in requests):
-            text = f"[{index}].goal: no rule of the program asks for {tried[0]} ({_asked_for(program)})"
-            yield file.fault(text, "unheard-order")
-
-
-def _asked_for(program: ReactiveProgram) -> str:
-    uses = program.survey.using.get(Signature("_request", 2), ())
-    terms: List[str] = list(dict.fromkeys(term_text(one.occurrence.term) for one in uses))
-    return f"rules match {', '.join(terms[:_LISTED])}" if terms else "no rule uses _request/2"
+        requests = [request(parse_term(one), program.first_step + 1) for one in tried]
+        if requests and not any(map(relevance.is_relevant, requests)):
+            advice = relevance.advice(requests[0])
+            yield file.fault(f"[{index}].goal: no rule of the program can see {tried[0]} ({advice})", "unheard-order")

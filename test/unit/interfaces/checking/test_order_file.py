@@ -40,8 +40,8 @@ def test_order_file_goals_are_tried(ask):
 @pytest.mark.parametrize(
     ("orders", "kind", "line", "words"),
     [
-        (ORDERS.replace("visit({room})", "visits({room})"), "unheard-order", 3, "rules match _request(visit(P),t+1)"),
-        (ORDERS.replace("visit({room})", "visit({room},1)"), "unheard-order", 3, "no rule of the program asks for"),
+        (ORDERS.replace("visit({room})", "visits({room})"), "unheard-order", 3, "did you mean visit(hall)?"),
+        (ORDERS.replace("visit({room})", "visit({room},1)"), "unheard-order", 3, "visit(hall,1) (rules match visit(P)"),
         (ORDERS.replace("{room: [", "{rom: ["), "configuration", 2, "'room' has to be in the goal"),
         (ORDERS.replace("den]", "Den]"), "configuration", 4, "'Den' is not a ground term"),
         ('[{title: A, fact: "_nosuch(now)", choices: {}}]', "unheard-order", 1, "declares no external _nosuch/1"),
