@@ -27,7 +27,6 @@ from rosoclingo.interfaces.attempt import (
 from rosoclingo.interfaces.config import DEFAULT_RETRY_ON
 from rosoclingo.interfaces.facts import (
     REMEMBERED,
-    CommandError,
     InterfaceCommand,
     Sender,
     parse_command,
@@ -40,8 +39,9 @@ from rosoclingo.interfaces.link import ServerLink, new_goal_id, progress
 from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.interfaces.outbox import Outbox
 from rosoclingo.interfaces.templates import ActionScope, GoalEnd
+from rosoclingo.interfaces.values import TermError
 from rosoclingo.msg import InterfaceIO
-from rosoclingo.reasoning.keywords import Action
+from rosoclingo.reasoning.keywords import Action, KeywordError
 
 IN_TOPIC = "in_rosoclingo"
 
@@ -152,7 +152,7 @@ class Interface(abc.ABC):
         for fact in message.facts:
             try:
                 commands.append(parse_command(fact, self.name))
-            except CommandError as error:
+            except (TermError, KeywordError) as error:
                 rospy.logerr("%s: dropped a fact from %s: %s", self.name, sender.node, error)
         self._sent.extend(command.action for command in commands if not command.cancels)
         for command in commands:

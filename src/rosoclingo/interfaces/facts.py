@@ -4,7 +4,7 @@ from typing import Callable, NamedTuple, Optional
 
 from clingo import Function, Symbol
 
-from rosoclingo.interfaces.values import TermError, read_atom
+from rosoclingo.interfaces.values import read_atom
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
@@ -19,10 +19,6 @@ from rosoclingo.reasoning.keywords import (
 REMEMBERED = 1000  # limit of remembered actions; those of the present cycle always fit
 
 
-class CommandError(ValueError):
-    """A fact that is not a command; the message has the text and its fault."""
-
-
 class InterfaceCommand(NamedTuple):
     """A command from out_rosoclingo: run an action, or cancel a running action."""
 
@@ -31,15 +27,12 @@ class InterfaceCommand(NamedTuple):
 
 
 def parse_command(text: str, interface: str) -> InterfaceCommand:
-    """Parse `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises CommandError."""
-    try:
-        atom = read_atom(text)
-        cancels = is_keyword(atom, CANCEL_ACTION)
-        action = action_of(Function(ACTION_LIB, atom.arguments) if cancels else atom)
-    except (TermError, KeywordError) as error:
-        raise CommandError(str(error)) from error
+    """Parse `_action_lib(A,P,C)` or `_cancel(A,P,C)` sent to `interface`.  Raises TermError, KeywordError."""
+    atom = read_atom(text)
+    cancels = is_keyword(atom, CANCEL_ACTION)
+    action = action_of(Function(ACTION_LIB, atom.arguments) if cancels else atom)
     if action.interface_name != interface:
-        raise CommandError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
+        raise KeywordError(f"'{text}' is for {action.interface_name}, but was sent to {interface}")
     return InterfaceCommand(action, cancels)
 
 
