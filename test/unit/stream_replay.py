@@ -30,4 +30,4 @@ def check_replay(program, journal, verdicts=(*AGREEING, CycleVerdict.MISSED)):
     assert not odd, odd
     restarted = any("#anew." in event.stream for event in reported)
     steps = [event.cycle for event in reported]
-    assert restarted or steps == list(range(1, len(steps) + 1)), "each cycle's update is sent once"
+    assert restarted or steps == sorted(set(steps)), "each cycle's update is sent once"

@@ -14,7 +14,7 @@ import clingo
 
 from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, StreamUpdate, parse_update
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.progression.updates import Reset
+from rosoclingo.oclingo.progression.updates import CloseCycles, Reset
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
 from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in, atom_in
@@ -188,15 +188,21 @@ class _Open:
     def close(self) -> RecordedRun:
         """Return the run; raises RecordingError if updates are missing."""
         cycles = [self._cycles[number] for number in sorted(self._cycles) if self._cycles[number].updates]
-        first = 1 if self.start is None or not cycles else cycles[0].cycle
-        for expected, one in enumerate(cycles, first):
-            if one.cycle != expected:
+        expected = 1 if self.start is None or not cycles else cycles[0].cycle
+        for one in cycles:
+            if one.cycle != expected and not _closes(one.updates[0], expected - 1):
                 last = one.cycle - 1
                 missing = f"cycle {last}" if expected == last else f"cycles {expected} to {last}"
                 fix = "start the recorder before the first request (record:=true)" if expected == 1 else "see its notes"
                 text = f"the updates of {missing} are missing, so later cycles cannot be replayed: {fix}"
                 raise RecordingError(text)
+            expected = one.cycle + 1
         return RecordedRun(self.program, cycles, self.start)
+
+
+def _closes(update: StreamUpdate, cycle: int) -> bool:
+    """Return whether an update closes a cycle: successive messages of an interface can skip cycles after it."""
+    return any(isinstance(one, CloseCycles) and one.first <= cycle <= one.last for one in update.items)
 
 
 class RunCollector(RunEvents):

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import pytest
 from core_driver import Driver
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from stream_replay import check_replay
 
@@ -63,128 +63,109 @@ FLOORS = st.sampled_from([LINE, (*LINE, ("loft", "hall")), (("hall", "den"), ("h
 PLACES = st.sampled_from(ROOMS)
 CYCLES = st.one_of(st.just("now"), st.integers(-6, 6), st.integers(0, 3))
 FACTS = st.one_of(st.tuples(st.just("_shut"), PLACES, PLACES, CYCLES), st.tuples(st.just("_low"), CYCLES))
-EVENTS = st.lists(
-    st.one_of(
-        st.tuples(st.just("goal"), PLACES),
-        st.tuples(st.just("cancel"), st.integers(0, 5)),
-        st.tuples(st.just("facts"), st.lists(FACTS, min_size=1, max_size=4)),
-        st.tuples(st.just("batch"), st.lists(FACTS, min_size=1, max_size=4), PLACES),
-        st.tuples(st.just("return"), st.sampled_from(["odd", "hall", "failed"])),
-        st.tuples(st.just("succeed")),
-        st.tuples(st.just("finish")),
-        st.tuples(st.just("again")),
-    ),
-    max_size=14,
-)
 
 
-class Play:
-    """Applies events to a driver."""
+def events_of(facts, goal, values, most):
+    """Generate at most so many events: goals, cancels, messages with facts, and returns; the methods of Play."""
+    some = st.lists(facts, min_size=1, max_size=4)
+    return st.lists(
+        st.one_of(
+            st.tuples(st.just("ask"), *goal),
+            st.tuples(st.just("cancel"), st.integers(0, 5).map("key{}".format)),
+            st.tuples(st.just("tell"), some),
+            st.tuples(st.just("tell"), some, *goal),
+            st.tuples(st.just("answer"), st.sampled_from(values)),
+            st.tuples(st.sampled_from(["succeed", "finish", "repeat"])),
+        ),
+        max_size=most,
+    )
 
-    def __init__(self, driver, ask):
-        self.driver, self.ask, self.goals, self.sent = driver, ask, 0, []
 
-    def do(self, event, *values):
-        """Apply one event."""
-        getattr(self, event)(*values)
+class Play(Driver):
+    """A core with further events; ``request`` makes the text of a goal."""
 
-    def goal(self, place):
+    asked, sent = 0, ()
+    request = staticmethod("visit({},{})".format)
+
+    def ask(self, *what):
         """Send another goal."""
-        self.goals += 1
-        self.driver.goal(f"key{self.goals}", self.ask(place, self.goals))
+        self.asked += 1
+        self.goal(f"key{self.asked}", self.request(*what, self.asked))
 
-    def cancel(self, number):
-        """Cancel a goal, if there is one."""
-        self.driver.cancel(f"key{number}")
+    def tell(self, facts, *what):
+        """Send facts that are dated around the present cycle, perhaps together with a goal."""
+        self.core.receive("interface", [self.text(fact) for fact in facts])
+        self.ask(*what) if what else self.run()
 
-    def facts(self, facts):
-        """Send facts that are dated around the present cycle."""
-        self.driver.facts(*map(self.text, facts))
-
-    def batch(self, facts, place):
-        """Send facts and a goal together."""
-        self.driver.core.receive("sensor", [self.text(fact) for fact in facts])
-        self.goal(place)
-
-    def again(self):
+    def repeat(self):
         """Send an earlier message again."""
-        self.driver.facts(*self.sent[-3:])
+        self.facts(*self.sent[-3:])
 
     def text(self, fact):
         """Return a fact's text; small cycles are absolute, others relative to now."""
         *words, cycle = fact
         if cycle != "now":
-            cycle = cycle if 0 <= cycle <= 1 else max(0, self.driver.core.cycle + cycle)
-        self.sent.append(f"{words[0]}({','.join(map(str, [*words[1:], cycle]))})")
+            cycle = cycle if 0 <= cycle <= 1 else max(0, self.core.cycle + cycle)
+        self.sent = (*self.sent, f"{words[0]}({','.join(map(str, [*words[1:], cycle]))})")
         return self.sent[-1]
 
-    def succeed(self):
-        """Let the actions under way succeed."""
-        self.driver.succeed()
-
-    def finish(self):
-        """Let all actions succeed."""
-        self.driver.finish()
-
-    def __getattr__(self, name):
-        return {"return": self.answer}[name]
-
     def answer(self, value):
-        """Return a value for an action under way."""
-        for action in self.driver.core.awaited:
-            self.driver.facts(f"_return({action.interface},{value},{action.cycle})")
+        """Return a value for all actions under way."""
+        self.facts(*(f"_return({one.interface},{value},{one.cycle})" for one in self.core.awaited))
 
     def ends(self, key):
-        """Return the end of a goal."""
-        events = self.driver.journal.of(GoalChanged)
+        """Return the ends of a goal."""
+        events = self.journal.of(GoalChanged)
         return [one.state.value for one in events if one.key == key and one.outcome is not None]
+
+    def play(self, events, last):
+        """Apply events, given as names and arguments of methods; then a last goal succeeds."""
+        for name, *values in events:
+            getattr(self, name)(*values)
+        self.finish().goal("fresh", last).finish()
+        assert self.ends("fresh") == ["succeeded"], self.problems
+        check_replay(self.program, self.journal)
+
+
+#: Successive messages during one action.
+TURNS = ("_low", "now"), ("_shut", "hall", "den", "now")
 
 
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 2, suppress_health_check=[HealthCheck.too_slow])
-@given(FLOORS, st.sampled_from(sorted(SHUT)), st.sampled_from(sorted(POWER)), EVENTS)
+@example(LINE, "inertia", "next step", [("ask", "den"), *[("tell", [one]) for one in TURNS]])
+@given(
+    FLOORS,
+    st.sampled_from(sorted(SHUT)),
+    st.sampled_from(sorted(POWER)),
+    events_of(FACTS, [PLACES], ["odd", "hall", "failed"], 14),
+)
 def test_random_facts_end_no_goal(doors, shut, power, events):
-    driver = Driver(settings=CoreSettings(horizon_limit=30), program=program(doors, shut, power))
-    play = Play(driver, lambda place, number: f"visit({place},{number})")
-    for event in events:
-        play.do(*event)
-    driver.finish().goal("fresh", "visit(loft,99)").finish()
-    assert play.ends("fresh") == ["succeeded"], driver.journal.problems
-    for number in range(1, play.goals + 1):
-        assert len(play.ends(f"key{number}")) == 1
-        assert play.ends(f"key{number}")[0] in ("succeeded", "preempted", "recalled"), driver.journal.problems
-    check_replay(driver.program, driver.journal)
+    driver = Play(settings=CoreSettings(horizon_limit=30), program=program(doors, shut, power))
+    driver.play(events, "visit(loft,99)")
+    for number in range(1, driver.asked + 1):
+        (end,) = driver.ends(f"key{number}")
+        assert end in ("succeeded", "preempted", "recalled"), driver.problems
 
 
-THINGS = st.sampled_from(["cup", "newspaper", "book"])
+class HousePlay(Play):
+    """A core with the house's program."""
+
+    request = staticmethod("bring({},{})".format)
+
+
 HOUSE_ROOMS = st.sampled_from(["hallway", "living_room", "kitchen", "bedroom", "bathroom"])
+THINGS = st.sampled_from(["cup", "newspaper", "book"])
 HOUSE_FACTS = st.one_of(
     st.tuples(st.sampled_from(["_blocked", "_opened"]), HOUSE_ROOMS, HOUSE_ROOMS, CYCLES),
     st.tuples(st.just("_seen"), THINGS, HOUSE_ROOMS, CYCLES),
-)
-HOUSE_EVENTS = st.lists(
-    st.one_of(
-        st.tuples(st.just("goal"), st.tuples(HOUSE_ROOMS, THINGS)),
-        st.tuples(st.just("facts"), st.lists(HOUSE_FACTS, min_size=1, max_size=3)),
-        st.tuples(st.just("batch"), st.lists(HOUSE_FACTS, min_size=1, max_size=3), st.tuples(HOUSE_ROOMS, THINGS)),
-        st.tuples(st.just("return"), st.sampled_from(["blocked", "failed", "odd"])),
-        st.tuples(st.just("succeed")),
-        st.tuples(st.just("finish")),
-        st.tuples(st.just("again")),
-    ),
-    max_size=8,
 )
 
 
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 10, suppress_health_check=[HealthCheck.too_slow])
-@given(HOUSE_EVENTS)
+@given(events_of(HOUSE_FACTS, [HOUSE_ROOMS, THINGS], ["blocked", "failed", "odd"], 8))
 def test_random_facts_leave_house_program_alive(events):
-    driver = Driver.of_shipped("house.lp", "home.lp")
-    play = Play(driver, lambda what, number: f"bring({what[0]},{what[1]})")
-    for event in events:
-        play.do(*event)
-    driver.finish().goal("fresh", "bring(bedroom,book)").finish()
-    assert play.ends("fresh") == ["succeeded"], driver.journal.problems
+    driver = HousePlay.of_shipped("house.lp", "home.lp")
+    driver.play(events, "bring(bedroom,book)")
     assert driver.core.live_goals == []
-    check_replay(driver.program, driver.journal)
