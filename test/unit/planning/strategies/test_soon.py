@@ -1,54 +1,168 @@
-"""The search for a first plan: its questions, and the time for better plans (see also test_walks.py)."""
+"""The searches for first plans: their questions, and the time for better plans (see also test_walks.py)."""
+
+from types import SimpleNamespace
 
 import pytest
-from fake_grounding import FakeGrounding, actions
 from hypothesis import given
 from hypothesis import strategies as st
 from stream_play import adopt
 
-from rosoclingo.oclingo import ReactiveProgram, parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_atom, parse_update
+from rosoclingo.oclingo.errors import StoppedError
 from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.question import UNKNOWN, Reply
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.strategies.shortest import shortest
 from rosoclingo.planning.strategies.soon import LATER, FirstPlanSearch
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 # ---- Questions -------------------------------------------------------------------------------------------------------
 
 
-def plan(horizon, *cycles, shortest=False):
-    return Plan(actions(*cycles), horizon, shortest)
+def actions(*cycles):
+    return frozenset(parse_atom(f"_action_lib(go,x,{cycle})") for cycle in cycles)
 
 
-def run(plans, options, last=None, block=8, predicted=False):
-    """Return the first plan (None after a stop), its horizon (False: no plan), and the questions."""
-    found, asked = FakeGrounding(plans, **options).run(
-        lambda runner: FirstPlanSearch(runner, last, predicted).run(), block
-    )
-    return found, found and found.reply.satisfiable and found.reply.horizon, asked
+class FakeGrounding:
+    """A grounding in which plans exist at known horizons, each given by the cycles in which it acts.
+
+    The steps up to ``horizon`` are ground. A question about several horizons finds the plan of the last one. Horizon
+    ``h`` is refuted after ``hard[h]`` conflicts; from horizon ``dead`` on the program is hopeless. The program
+    ``claims`` to need so many steps.
+    """
+
+    is_cyclic, grows = False, True
+
+    def __init__(self, plans, world):
+        self.plans, self.world = plans, {"hard": {}, "dead": None, "claims": 0, **world}
+        self.horizon, self.asked = world["horizon"], []
+        flags = {name: world.get(name, False) for name in ("advises", "optimizes")}
+        self.program = SimpleNamespace(forgets=(), actions_go_on=False, **flags)
+
+    def run(self, make, block, halts=None):
+        """Return the result of the strategy that ``make`` makes, None after a stop, which comes after ``halts``
+        questions and interrupts the last of them; and all questions.
+        """
+        step, self.halts = self.world["step"], halts
+        snapshot = Snapshot(step=step, min_horizon=step, horizon=self.horizon)
+        runner = StrategyRunner(self.program, snapshot, self.build, block, self.world["most"])
+        try:
+            return runner.run(make(runner), lambda: halts is not None and len(self.asked) >= halts), self.asked
+        except StoppedError:
+            return None, self.asked
+
+    def build(self, _snapshot, horizon, stopped):
+        if horizon > self.horizon:
+            self.grow_to(horizon)
+        return self
+
+    def piece(self):
+        return 64
+
+    def grow_to(self, horizon):
+        assert self.horizon < horizon <= self.world["most"]
+        self.horizon = horizon
+
+    def claimed_steps(self):
+        return self.world["claims"]
+
+    def actions(self, first, last):
+        assert first == self.world["step"]
+        return sorted(actions(*range(first, min(last, self.horizon) + 1)))
+
+    def ask(self, question, stopped):
+        first, last, conflicts = question.first, question.last, question.conflicts
+        assert self.world["step"] <= first <= last <= self.horizon
+        assert question.best or question.models == 1
+        assert question.advised or self.program.advises
+        self.asked.append(question)
+        if self.halts is not None and stopped():
+            return UNKNOWN
+        horizons = range(first, last + 1)
+        plans = [(one, actions(*cycles)) for one, cycles in self.plans.items() if one in horizons]
+        agreeing = [(one, plan) for one, plan in plans if self.agrees(plan, question)]
+        if agreeing:
+            horizon, plan = max(agreeing, key=lambda pair: pair[0])
+            return Reply(True, (plan,), horizon)
+        hardest = max(self.world["hard"].get(one, 0) for one in horizons)
+        if conflicts is not None and not question.given and hardest > conflicts:
+            return UNKNOWN
+        dead = self.world["dead"] is not None and last >= self.world["dead"]
+        return Reply(False, hopeless=dead, permanent=dead)
+
+    @staticmethod
+    def agrees(plan, question):
+        """Return whether the plan is an answer to the question at any of its horizons."""
+        given = all((action in plan) == value for action, value in question.given)
+        return given and (not question.lacking or not plan.issuperset(question.lacking))
 
 
 HORIZONS = st.integers(2, 30)
-WORLDS = st.fixed_dictionaries(
-    {
-        "step": st.integers(1, 2),
-        "horizon": st.integers(2, 12),
-        "most": st.integers(12, 30),
-        "hard": st.dictionaries(HORIZONS, st.integers(0, 90_000), max_size=3),
-        "advises": st.booleans(),
-        "claims": st.integers(0, 40),
-    }
+WORLDS = {
+    "step": st.integers(1, 2),
+    "horizon": st.integers(2, 12),
+    "most": st.integers(12, 30),
+    "claims": st.integers(0, 40),
+}
+PLANS = st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3)
+BLOCKS = st.sampled_from([1, 8])
+
+
+@given(
+    PLANS,
+    st.fixed_dictionaries({**WORLDS, "dead": st.none() | HORIZONS, "optimizes": st.booleans()}),
+    st.integers(0, 14),
+    BLOCKS,
+    st.sampled_from([0, 1]),
 )
-LAST = st.none() | st.builds(lambda horizon, cycles: plan(horizon, *cycles), HORIZONS, st.sets(HORIZONS, max_size=4))
+def test_shortest_finds_the_least_horizon_unless_stopped(plans, world, hint, block, models):
+    least = min((one for one in plans if one <= world["most"]), default=None)
+    hopeless = world["dead"] is not None and world["dead"] <= world["most"]
+    hopeless = hopeless and (least is None or world["dead"] < least)
+
+    def run(halts=None):
+        found = {} if hopeless else dict.fromkeys(plans, ())
+        return FakeGrounding(found, world).run(lambda runner: shortest(runner, models, hint), block, halts)
+
+    reply, asked = run()
+    assert (reply.satisfiable, reply.permanent) == (least is not None and not hopeless, hopeless)
+    if reply.satisfiable:
+        assert reply.horizon == least
+        assert (models == 1 and not world["optimizes"]) or any(
+            (one.first, one.last, one.best) == (least, least, True) for one in asked
+        )
+    for halts in range(len(asked)):
+        assert run(halts)[0] is None
 
 
-@given(st.dictionaries(HORIZONS, st.lists(HORIZONS, max_size=4), max_size=3), WORLDS, LAST, st.sampled_from([1, 8]))
+@given(
+    PLANS,
+    st.fixed_dictionaries(
+        {
+            **WORLDS,
+            "hard": st.dictionaries(HORIZONS, st.integers(0, 90_000), max_size=3),
+            "advises": st.booleans(),
+        }
+    ),
+    st.none() | st.builds(lambda horizon, cycles: Plan(actions(*cycles), horizon), HORIZONS, st.sets(HORIZONS)),
+    BLOCKS,
+)
 def test_soon_finds_a_plan_or_refutes_all_horizons(plans, world, last, block):
     """Without steps that can invalidate answers, the plan is shortest; a stop ends the search."""
     reachable = [horizon for horizon in plans if horizon <= world["most"]]
-    found, horizon, asked = run(plans, world, last, block)
+
+    def run(halts=None):
+        found, asked = FakeGrounding(plans, world).run(
+            lambda runner: FirstPlanSearch(runner, last, False).run(), block, halts
+        )
+        return found, found and found.reply.satisfiable and found.reply.horizon, asked
+
+    found, horizon, asked = run()
     assert horizon in (reachable or [False])
     assert found.least <= min(reachable, default=100)
-    for number in range(asked.count("..")):
-        stopped, horizon, _ = run(plans, {**world, "halts": number, "cut": True}, last, block)
+    for halts in range(len(asked)):
+        stopped, horizon, _ = run(halts)
         assert stopped is None or horizon in reachable, "a stop only ends the trimming"
 
 
