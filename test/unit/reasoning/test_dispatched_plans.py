@@ -20,7 +20,7 @@ from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.events import GoalChanged, ReturnAccepted
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.reasoning.stream_planner import Halt, unwatched
+from rosoclingo.reasoning.stream_planner import unwatched
 
 pytestmark = pytest.mark.once
 
@@ -177,9 +177,9 @@ def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):
 class JoiningRun(Run):
     """A core whose standby worker answers some cycles late."""
 
-    def __init__(self, delay=0, solver=None, watch_joining=unwatched, search_timeout=0.0):
+    def __init__(self, delay=0, solver=None, watch_joining=unwatched):
         self.standby = Standby(delay)
-        super().__init__(ROW, solver or self.standby.solver, search_timeout, watch_joining=watch_joining)
+        super().__init__(ROW, solver or self.standby.solver, 0.0, watch_joining=watch_joining)
 
     @property
     def fed(self):
@@ -248,27 +248,4 @@ def test_robot_meets_all_goals_however_late_answers_are(events, errands, data):
             run.step(fails=True)
         elif run.core.awaited:
             run.go_on()
-    run.finish()
-
-
-@pytest.fixture(scope="module")
-def row_process():
-    with preparing_process(program(*ROW)) as one:
-        yield one
-
-
-@pytest.mark.slow
-def test_worker_processes_let_goals_join_later(row_process):
-    halts = []
-
-    def watch():
-        return lambda: Halt("the test") if halts else None
-
-    run = JoiningRun(solver=lambda _: ProcessSolver(row_process), watch_joining=watch).ask((1, 4), (4, 1))
-    halts.append(1)
-    run.ask((2, 3))
-    while "3" not in run.fed:
-        run.step()
-        wait_until_prepared(row_process, run.core.prepare)
-    assert any(one.waits for one in run.driver.feedback("3"))
     run.finish()

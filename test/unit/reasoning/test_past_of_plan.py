@@ -19,12 +19,6 @@ IDLE = 40
 TRAP = ERRANDS + "#program cumulative(t).\n:- _action_lib(trap,I,t-2).\n"
 
 
-def be_idle(driver, cycles=IDLE):
-    """Let cycles without an action pass, for facts that nobody has sent yet."""
-    for _ in range(cycles):
-        driver.facts(f"_seen({driver.core.cycle})")
-
-
 def check_past(driver):
     """Check that each plan, feedback and answer holds the last executed actions and nothing else of the past."""
     actions = [action_of(parse_atom(text)) for text in driver.journal.actions]
@@ -36,57 +30,59 @@ def check_past(driver):
 
 EVENTS = st.lists(
     st.one_of(
-        st.tuples(st.just("goal"), st.sampled_from(["walk", "run", "quick", "never", "trap"])),
-        st.tuples(st.just("cancel"), st.integers(1, 5)),
-        st.tuples(st.just("succeed"), st.integers(1, 5)),
+        st.tuples(st.just("ask"), st.sampled_from(["walk", "run", "quick", "never", "trap"])),
+        st.tuples(st.just("cancel"), st.sampled_from("12345")),
+        *[st.tuples(st.just("succeed"))] * 3,
         st.tuples(st.just("fail"), st.sampled_from(["failed", "timeout", "odd(thing,17)"])),
         st.tuples(st.just("idle"), st.sampled_from([1, IDLE])),
         st.tuples(st.just("halt"), st.lists(st.sampled_from(["", "slow", "left"]), min_size=1, max_size=5)),
     ),
-    max_size=20,
+    max_size=24,
 )
 
 
-class Play:
-    """Applies events; ``halts`` are the ends of the coming searches: by themselves, by time, or dropped."""
+class Play(Driver):
+    """A core whose coming searches end by themselves, by time, or dropped: ``halts``."""
+
+    goals, halts = 0, ()
 
     def __init__(self):
-        self.goals, self.halts = 0, []
-        self.driver = Driver(TRAP, watch=self.watch)
+        super().__init__(TRAP, watch=self.watch)
 
     def watch(self):
         """Choose when the next search is to end."""
-        word = self.halts.pop(0) if self.halts else ""
+        word, self.halts = "".join(self.halts[:1]), self.halts[1:]
         return lambda: Halt("the test", disturbed=word == "left") if word else None
 
-    def do(self, kind, what):
-        """Apply one event."""
-        if kind == "goal":
-            self.goals += 1
-            self.driver.goal(str(self.goals), f"do({what},{self.goals})")
-        elif kind == "cancel":
-            self.driver.cancel(str(what))
-        elif kind == "idle":
-            be_idle(self.driver, what)
-        elif kind == "halt":
-            self.halts = what
-        elif kind == "succeed":
-            for _ in range(what):
-                self.driver.succeed()
-        elif self.driver.core.awaited:
-            self.driver.fail(what)
+    def halt(self, words):
+        """End the coming searches in these ways."""
+        self.halts = words
+
+    def ask(self, what):
+        """Send another goal."""
+        self.goals += 1
+        self.goal(str(self.goals), f"do({what},{self.goals})")
+
+    def idle(self, cycles):
+        """Let cycles without an action pass, for facts that nobody has sent yet."""
+        for _ in range(cycles):
+            self.facts(f"_seen({self.core.cycle})")
+
+    def fail(self, reason):
+        """Fail the action under way, if there is one."""
+        return super().fail(reason) if self.core.awaited else self
 
 
 @pytest.mark.slow
 @settings(max_examples=settings.default.max_examples // 4)
 @given(EVENTS)
 def test_plan_keeps_past_after_any_events(events):
-    play = Play()
-    for event in events:
-        play.do(*event)
-    play.halts = []
-    play.driver.finish().goal("fresh", "do(walk,99)").finish()
-    assert play.driver.states("fresh")[-1] == "succeeded"
-    check_past(play.driver)
-    if not any(kind == "halt" for kind, _ in events):
-        check_replay(play.driver.program, play.driver.journal)
+    driver = Play()
+    for name, *values in events:
+        getattr(driver, name)(*values)
+    driver.halt(())
+    driver.finish().goal("fresh", "do(walk,99)").finish()
+    assert driver.states("fresh")[-1] == "succeeded"
+    check_past(driver)
+    if not any(name == "halt" for name, *_ in events):
+        check_replay(driver.program, driver.journal)

@@ -5,25 +5,8 @@ from core_scripts import play, scripts
 
 from rosoclingo.reasoning.settings import CoreSettings
 
-#: Each goal has a drive and an arm movement in one cycle; the arm is useful only while the light is on.
-TOGETHER = """
-#external _request/2. #external _return/3.
-#program cumulative(t).
-#external _dark(t).
-dim(t) :- _dark(t-1).
-dim(t) :- dim(t-1).
-open(I,t) :- _request(go(I),t+1), not gone(I,t).
-open(I,t) :- open(I,t-1), not driven(I,t-1), not gone(I,t).
-gone(I,t) :- _request(cancel(I),t).
-_action_lib(drive,I,t) :- open(I,t).
-_action_lib(arm,I,t) :- open(I,t), not dim(t).
-failed(t) :- _return(drive,V,t), not open(V,t).
-driven(I,t) :- open(I,t), not failed(t).
-#program volatile(t).
-:- open(I,t), not driven(I,t).
-#program base.
-#show _action_lib/3.
-"""
+#: Several errands are done at once.
+TOGETHER = ERRANDS.replace("W != quick } 1.", "W != quick }.")
 
 #: One way leads through two actions, ``far`` and ``end``. After ``_open`` the action ``near`` is enough, and
 #: ``side(1..5)`` equal ``far``.
@@ -61,8 +44,8 @@ PREEMPTIONS = {
     "action that is still wanted, with other plans as short": (ERRANDS, """
         goal a do(walk,1); goal b do(run,2); facts _seen(ball); ends; cancel b; finish; is a succeeded; ends"""),
     "one of two actions": (TOGETHER, """
-        goal a go(1); does arm,1,1 drive,1,1; facts _dark(1); ends arm,1,1; facts _return(arm,preempted,1)
-        does drive,1,1; cancel a; ends arm,1,1 drive,1,1"""),
+        add a do(walk,1); goal b do(run,2); does run,2,1 walk,1,1; cancel a; ends walk,1,1
+        facts _return(walk,preempted,1); does run,2,1; cancel b; ends walk,1,1 run,2,1"""),
     "shorter way opens": (WAYS, """
         goal a go(1); does far,1,1; facts _open(near); ends far,1,1; facts _return(far,preempted,1); does near,1,2"""),
     "way that is as short but better opens": (WAYS + ":~ _action_lib(far,I,C). [1,I,C]", """

@@ -19,27 +19,12 @@ from rosoclingo.reasoning.settings import CoreSettings
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
 
 
-class Disk:
-    """A state in its text form, as on a disk."""
-
-    def __init__(self):
-        self._text = ""
-
-    def write(self, state):
-        """Write a state."""
-        self._text = json.dumps(state)
-
-    def read(self):
-        """Return the state that a new core reads."""
-        return json.loads(self._text)
-
-
 class Play:
     """A core and its input; at some steps it is rebuilt from its record or with a new solver."""
 
     def __init__(self, program, solver, settings, restores):
         self.program, self._make, self._settings = program, lambda: solver(program), settings
-        self._restores, self._disk = restores, Disk()
+        self._restores, self._disk = restores, ""  # a state as text
         self.events, self.now, self._cuts, self._steps = [], 1.0, frozenset(), 0
         self._believed = None
         self.core = self._new()
@@ -78,10 +63,10 @@ class Play:
         """Mark the end of a step, at which the core can be killed."""
         self._steps += 1
         if self._restores:
-            self._disk.write(self.core.state())
+            self._disk = json.dumps(self.core.state())
         if self._steps in self._cuts:
             if self._restores:
-                self.core = self._new(self._disk.read())
+                self.core = self._new(json.loads(self._disk))
                 self.core.start()
             else:
                 self.core._planner = self.core._planner.with_log(self.core._planner.log)
@@ -154,13 +139,13 @@ def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, c
 
 
 def test_resumed_core_names_facts_of_its_predecessor_as_reasons():
-    program, disk, events = ReactiveProgram.from_text(rooms(doors=[("hall", "d")])), Disk(), []
+    program, events = ReactiveProgram.from_text(rooms(doors=[("hall", "d")])), []
     first = Core(program, lambda: shortest(program), events.append, SETTINGS)
     first.start()
     first.receive("sensor", ["_shut(d)"])
     assert first.advance(0.0)
-    disk.write(first.state())
-    core = Core(program, lambda: shortest(program), events.append, SETTINGS, record=disk.read())
+    record = json.loads(json.dumps(first.state()))
+    core = Core(program, lambda: shortest(program), events.append, SETTINGS, record=record)
     core.add_goal("a", "reach(hall,1)")
     while core.advance(0.0):
         pass
