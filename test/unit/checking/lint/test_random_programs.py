@@ -29,12 +29,7 @@ def check(sources):
         assert one.fault.line <= lines.get(one.fault.file, 1), one
 
 
-@given(st.lists(st.sampled_from(WORDS), max_size=40))
-def test_lint_handles_random_words(words):
-    check([Source("random.lp", " ".join(words))])
-
-
-@given(st.text(max_size=100))
+@given(st.lists(st.sampled_from(WORDS), max_size=40).map(" ".join) | st.text(max_size=100))
 def test_lint_handles_random_text(text):
     check([Source("random.lp", text)])
 
@@ -58,25 +53,13 @@ def mutated(text, changes):
 CHANGE = st.tuples(st.sampled_from(["drop", "double", "swap", "word"]), st.integers(0, 10**6), st.integers(0, 10**6))
 
 
-def check_mutation(name, data):
-    """Check a mutation of a program."""
+@pytest.mark.mostly_slow
+@pytest.mark.parametrize("name", ["battery", "bodies", "garden", "paper", "mailbot"])
+@settings(max_examples=max(1, settings.default.max_examples // 8))
+@given(st.data())
+def test_lint_handles_mutations_of_programs(name, data):
     sources = list(lint_programs.program(name))
     place = data.draw(st.integers(0, len(sources) - 1))
     text = mutated(sources[place].text, data.draw(st.lists(CHANGE, min_size=1, max_size=4)))
     sources[place] = Source(sources[place].name, text)
     check(sources)
-
-
-@pytest.mark.parametrize("name", ["battery", "bodies"])
-@settings(max_examples=max(1, settings.default.max_examples // 3))
-@given(st.data())
-def test_lint_handles_mutations_of_small_programs(name, data):
-    check_mutation(name, data)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["garden", "paper", "mailbot"])
-@settings(max_examples=max(1, settings.default.max_examples // 12))
-@given(st.data())
-def test_lint_handles_mutations_of_shipped_programs(name, data):
-    check_mutation(name, data)
