@@ -15,8 +15,6 @@ GRINGO3 = [
     ":- 1 < #sum { <X> : p(X) }.",
 ]
 CLINGO5 = [
-    ":- a; b.",
-    "{ a ; b }.",
     "{ a } = 1.",
     ":- 1 != #count { X : a }.",
     "&diff { a - b } <= 3.",
@@ -28,10 +26,7 @@ CLINGO5 = [
     "#theory t { x { - : 1, unary }; &a/0 : x, head }.",
 ]
 EITHER = [
-    "p(1..3).",
-    "1 { p(X) : q(X) } 1 :- r.",
     "a :- b, not c, X < 3, X = Y + 1.",
-    "a | b.",
     "#const n = 3.",
     "#forget t : t - 3.",
     'p("a : b : c").',

@@ -4,7 +4,7 @@ import itertools
 import operator
 
 from gringo3_answers import answers, solve, translated
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo.gringo3 import Dialect, TranslationError, translate
@@ -99,98 +99,63 @@ def test_translate_leaves_random_common_rules_unchanged(program):
 
 CHOICE = ("a", "b", "c(1)", "c(2)")
 SUBSETS = [frozenset(s) for n in range(5) for s in itertools.combinations(CHOICE, n)]
-WEIGHTED = st.lists(st.tuples(st.booleans(), st.sampled_from(CHOICE), st.integers(-3, 3)), max_size=5)
-BOUNDS = st.tuples(st.none() | st.integers(-6, 6), st.none() | st.integers(-6, 6))
+ELEMENTS = st.lists(st.tuples(st.booleans(), st.sampled_from(CHOICE), st.integers(-3, 3)), max_size=5)
 COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
 PAIRS = [(one, "") for one in COMPARISONS] + [("", one) for one in COMPARISONS]
 PAIRS += [(one, other) for same in (("<", "<="), (">", ">=")) for one in same for other in same]
+NUMBERS = st.integers(-6, 6)
+#: What stands before and after an aggregate: the sign of a comparison and a number, or a bound; each can be absent.
+BOUNDS = st.tuples(st.none() | NUMBERS.map(lambda one: ("", one)), st.none() | NUMBERS.map(lambda one: ("", one)))
+SIGNS = st.builds(
+    lambda signs, one, other: (signs[0] and (signs[0], one), signs[1] and (signs[1], other)),
+    st.sampled_from(PAIRS),
+    NUMBERS,
+    NUMBERS,
+)
+AGGREGATES = st.one_of(
+    st.tuples(st.sampled_from(["[", "#sum [", "{", "#count {"]), BOUNDS | SIGNS, st.booleans()),
+    st.tuples(st.just("#avg ["), BOUNDS, st.just(False)),
+    st.tuples(st.sampled_from(["#even [", "#even {", "#odd [", "#odd {"]), st.just((None, None)), st.just(False)),
+)
 
 
-def holds(negated, atom, true):
-    return (atom in true) != negated
+def value_of(name, elements, true):
+    """Return the value of an aggregate if these atoms are true: each element counts, and each literal once in braces.
+
+    None is the average of nothing.
+    """
+    weights = [weight for negated, atom, weight in elements if (atom in true) != negated]
+    if name.endswith("{"):
+        weights = [1] * len({(negated, atom) for negated, atom, _ in elements if (atom in true) != negated})
+    if "#avg" in name:
+        return sum(weights) / len(weights) if weights else None
+    return sum(weights)
 
 
-def between(value, bounds):
-    lower, upper = bounds
-    return (lower is None or lower <= value) and (upper is None or value <= upper)
+def meaning(name, elements, guards, true):
+    """Return whether an aggregate with these guards holds."""
+    value, (before, after) = value_of(name, elements, true), guards
+    if "#even" in name or "#odd" in name:
+        return value % 2 == ("#odd" in name)
+    if value is None:
+        return True
+    held = not before or COMPARISONS[before[0] or "<="](before[1], value)
+    return held and (not after or COMPARISONS[after[0] or "<="](value, after[1]))
 
 
-def expected(meaning):
-    """Return all subsets of a free choice, with `ok` if ``meaning`` holds."""
-    return sorted(" ".join(sorted([*true, *(["ok"] if meaning(true) else [])])) for true in SUBSETS)
-
-
-def bounded(text, bounds):
-    return " ".join(
-        [
-            *([str(bounds[0])] if bounds[0] is not None else []),
-            text,
-            *([str(bounds[1])] if bounds[1] is not None else []),
-        ]
-    )
-
-
-def shown(negated, atom):
-    return ("not " if negated else "") + atom
-
-
-@given(WEIGHTED, BOUNDS, st.booleans(), st.sampled_from(["", "#sum "]))
-def test_translated_sums_count_every_element(elements, bounds, negate, name):
-    inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
-    program = "{{ a, b, c(1..2) }}. ok :- {}{}.".format(
-        "not " if negate else "", bounded(name + "[ " + inside + " ]", bounds)
-    )
-    meant = expected(lambda true: between(sum(w for n, a, w in elements if holds(n, a, true)), bounds) != negate)
-    assert answers(program) == meant
-
-
-@given(WEIGHTED, BOUNDS, st.sampled_from(["", "#count "]))
-def test_translated_sets_count_each_literal_once(elements, bounds, name):
-    inside = ", ".join(shown(n, a) for n, a, _ in elements)
-    program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded(name + "{ " + inside + " }", bounds))
-    meant = expected(lambda true: between(len({(n, a) for n, a, _ in elements if holds(n, a, true)}), bounds))
-    assert answers(program) == meant
-
-
-@given(WEIGHTED, st.sampled_from(PAIRS), st.integers(-6, 6), st.integers(-6, 6), st.booleans(), st.booleans())
-def test_translated_aggregates_accept_comparisons_on_both_sides(elements, signs, left, right, negate, brackets):
-    inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
-    before, after = (f"{left} {signs[0]}" if signs[0] else ""), (f"{signs[1]} {right}" if signs[1] else "")
-    aggregate = f"[ {inside} ]" if brackets else f"{{ {inside} }}"
-    program = "#base. {{ a, b, c(1..2) }}. ok :- {}{} {} {}.".format("not " if negate else "", before, aggregate, after)
-
-    def meaning(true):
-        value = sum(w for n, a, w in elements if holds(n, a, true))
-        value = value if brackets else len({(n, a) for n, a, _ in elements if holds(n, a, true)})
-        held = not signs[0] or COMPARISONS[signs[0]](left, value)
-        return (held and (not signs[1] or COMPARISONS[signs[1]](value, right))) != negate
-
-    assert solve(translated(program).replace("#base.", "")) == expected(meaning)
-
-
-@given(WEIGHTED, BOUNDS)
-def test_translated_averages_agree_with_the_model(elements, bounds):
-    inside = ", ".join(f"{shown(n, a)}={w}" for n, a, w in elements)
-    program = "{{ a, b, c(1..2) }}. ok :- {}.".format(bounded("#avg [ " + inside + " ]", bounds))
-
-    def meaning(true):
-        weights = [w for n, a, w in elements if holds(n, a, true)]
-        return not weights or between(sum(weights) / len(weights), bounds)
-
-    assert answers(program) == expected(meaning)
-
-
-@given(WEIGHTED, st.sampled_from(["#even", "#odd"]), st.booleans())
-def test_translated_parities_agree_with_the_model(elements, name, brackets):
-    inside = ", ".join(shown(n, a) + (f"={w}" if brackets else "") for n, a, w in elements)
-    program = "{{ a, b, c(1..2) }}. ok :- {} {}.".format(name, ("[ {} ]" if brackets else "{{ {} }}").format(inside))
-
-    def meaning(true):
-        value = sum(w for n, a, w in elements if holds(n, a, true))
-        value = value if brackets else len({(n, a) for n, a, _ in elements if holds(n, a, true)})
-        return value % 2 == (name == "#odd")
-
-    assert answers(program) == expected(meaning)
+@settings(max_examples=settings.default.max_examples * 4)
+@given(ELEMENTS, AGGREGATES)
+def test_translated_aggregates_agree_with_the_model(elements, aggregate):
+    name, (before, after), negate = aggregate
+    weighted = name.endswith("[")
+    inside = ", ".join(("not " if n else "") + a + (f"={w}" if weighted else "") for n, a, w in elements)
+    left = "{1} {0}".format(*before) if before else ""
+    right = "{} {}".format(*after) if after else ""
+    text = f"{left} {name} {inside} {']' if weighted else '}'} {right}"
+    program = "#base. {{ a, b, c(1..2) }}. ok :- {}{}.".format("not " if negate else "", text)
+    holding = [meaning(name, elements, (before, after), true) != negate for true in SUBSETS]
+    expected = sorted(" ".join(sorted([*true, *["ok"] * held])) for true, held in zip(SUBSETS, holding))
+    assert solve(translated(program).replace("#base.", "")) == expected
 
 
 @given(st.lists(st.sampled_from("123"), min_size=1, max_size=3), st.sets(st.sampled_from("123")), st.booleans())

@@ -16,27 +16,8 @@ from rosoclingo.oclingo.gringo3 import Dialect, translate, translate_program
         ('{ p("a\\"%, b"), q } :- % c, d\n %* x, y %* z *% *% f(X\'_1, _).',
          '{ p("a\\"%, b"); q } :- % c, d\n %* x, y %* z *% *% f(X\'_1, _).'),
         ("{ a, b }.\r\np :- q(1;2),\r\n r.\r", "{ a; b }.\r\np :- q(1), q(2),\r\n r.\r"),
-        # pools
-        # arithmetic
-        ("p(#pow(X+1,2), #div(X,2), X #pow 2 #div 3) :- q(X).", "p(((X+1)**2),(X/2), X**2/3) :- q(X)."),
-        # aggregates
-        ("X #sum [ a = 1, b : c = 2, d = 3 : e ] X+1 :- f(X).",
-         "X #sum { 1,0 : a; 2,1 : b : c; 3,2 : d : e } X+1 :- f(X)."),
-        ("s(N,M) :- N := #min [ p(X;Y) : q(X,Y) = X ], M = #max [ a = b ].",
-         "s(N,M) :- N = #min { X,0,X,Y : p(X), q(X,Y); X,1,Y,X : p(Y), q(X,Y) }, M = #max { b,0 : a }."),
-        # optimization
-        ("#minimize [ a=1@2, b : c(X) = X@3, e@1 : d ].",
-         '#minimize { 1@2,"test.lp:1",0 : a; X@3,"test.lp:1",1,X : b, c(X); 1@1,"test.lp:1",2 : e, d }.'),
         # directives
         ("#external p(X,t) : d(X) : 0 < t+1 : e(X;X).", "#external p(X,t) : d(X), 0 < t+1, e(X), e(X)."),
-        # domains
-        ("#domain f(X). p(X). q(X) :- r. s :- t(X) : u.", " p(X) :- f(X). q(X) :- r, f(X). s :- t(X) : u; f(X)."),
-        # averages and parities
-        ("x :- 1 #avg [ a=2, p(X) : q(X) = X ] 3, y.",
-         "x :- #sum { (2)-(1),0 : a; (X)-(1),1,X : p(X), q(X) } >= 0, #sum { (2)-(3),0 : a; (X)-(3),1,X : "
-         "p(X), q(X) } <= 0, y."),
-        ("#even [ a=1, b=2 : c ] :- x : y, z.",
-         "{ a; b : c } :- x : y; z. :- x : y; z; V1 = #sum { 1,0 : a; 2,1 : b, c }, V1 \\ 2 != 0."),
     ],
 )  # fmt: skip
 def test_translate_produces_the_expected_text(old, new):

@@ -27,8 +27,6 @@ BC = "#program cumulative(t). b(t). #program volatile(t). c(t). "
         # parts
         ("a. #cumulative t. b(t). #volatile k. c(k). #base. d.", "1 : 0.", "a b(1) c(1) d"),
         ("#iinit 0. #iinit (2 - |-3|)/2 + 1. #cumulative t. b(t).", "1 : 0.", "b(1)"),
-        # comments and strings
-        # externals
         # volatile parts
         *(
             (f"#program cumulative(t). b(t). {part} c(t) :- b(t).", "3 : 0.", "b(1) b(2) b(3) c(3)")

@@ -73,15 +73,10 @@ def test_parse_updates_reads_several_updates(updates):
     assert parse_updates("".join(map(str, updates))) == updates
 
 
-@given(TERMS)
-def test_parse_term_inverts_str_of_terms(term):
+@given(TERMS, ATOMS)
+def test_parsers_of_terms_and_atoms_invert_str(term, atom):
     assert parse_term(str(term)) == term
-
-
-@given(ATOMS)
-def test_parse_atom_inverts_str_of_atoms(atom):
-    assert parse_atom(str(atom)) == atom
-    assert parse_atom(f" {atom} . ") == atom
+    assert parse_atom(str(atom)) == parse_atom(f" {atom} . ") == atom
 
 
 @pytest.mark.parametrize(
