@@ -1,4 +1,4 @@
-"""Control programs as goals of a core: failures, cancels, events during execution, and concurrent goals."""
+"""Control programs as goals of a core: messages, preempted actions, and programs of a domain with requests."""
 
 from functools import lru_cache
 
@@ -15,16 +15,10 @@ PROCEDURES = """
 proc other { a; await f; b; }
 proc other(X) { pick Y: is(Y) and X = Y { if Y = a { a; } else { b; } } }
 proc pair { a; b; }
-proc one(X) { pick Y: is(Y) and X = Y { if Y = c { c; } else { d; } } }
-proc waiting { await g; d; }
-proc late { d; search { a; c; await f; b; } }
-proc lonely { alone { d; if f { b; } else { a; c; } } }
-proc ended1 { prefer { a; while f { d; } await g; } over { b; c; } }
 proc tried { try { retry 1 { a; b; } } else { c; } }
 proc nested { do { do { a; b; } on cancel { c; } } on cancel { tidy; } }
 proc untrue { test f; }
 proc unpicked { pick X: is(X) and f { a; } }
-proc ended2 { prefer { a; if f { d; } else { } await g; } over { b; c; } }
 """
 
 
@@ -35,39 +29,19 @@ def program():
 
 
 SCENES = {
-    "executed actions stay after a cancel and a repeated request": """
-        goal g run(pair,1); step a; cancel g; succeed; goal h run(pair,1); performs a b; is h succeeded""",
-    "program that waits lets others act": """
-        goal g run(other,1); performs a; goal h run(one(c),2); performs c; is g active; is h succeeded
-        facts _set(f,now); performs b; is g succeeded""",
-    "nobody acts while a search waits": """
-        goal g run(late,1); step d a; goal h run(one(d),2); succeed; does; is h active; facts _set(f,now)
-        performs b d; is g succeeded; is h succeeded""",
-    **{f"ended program does not begin again: {name}": f"""
-        goal g run({name},1); step a; does act,b,2; facts _set(f,now); performs b c"""
-       for name in ("ended1", "ended2")},
     "goal that names itself is cancelled by that": "goal h run(other); cancel h; succeed; is h preempted",
     "programs that there are not are rejected": """
         goal g run(othr,1); goal h run(other(1,2),2); says g the program rejects run(othr,1): there is no program othr
         says h the program rejects run(other(1,2),2): there is no program other(1,2)""",
-}  # fmt: skip
-SLOW_SCENES = {
     "preempted program tries again": f"""
         goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
-    "failures are counted again when a program is asked for or cancelled": """
-        goal g run(pair,1); breaks a; breaks a; goal h run(waiting,2); breaks a; breaks a; cancel h; breaks a; breaks a
-        is g active; is h preempted; performs a b""",
-    "action within a search was its own though others can act": """
-        goal g run(lonely,1); facts _set(shared,now); step d; does act,a,2; facts _set(f,now) _set(no(c),now)
-        performs a; is g aborted""",
     "reason of failures": """
         goal g run(pair,1); breaks a; breaks a; breaks a; does; says g ...a has failed 3 times in a row...""",
 }  # fmt: skip
 
 
-@pytest.mark.sampled(4)
 @pytest.mark.slow
-@scripts(SCENES, SLOW_SCENES)
+@scripts(SCENES)
 def test_golog_scene_follows_the_script(row):
     run(program(), row)
 
