@@ -10,13 +10,11 @@ from contextlib import suppress
 import pytest
 from children import ended, kill
 from plain_walk import LINE
-from shipped import GOLDEN
 from workloads import sized
 
 from rosoclingo.oclingo import (
     DroppedError,
     ReactiveProgram,
-    ReactiveSolver,
     SolveOutcome,
     SolverError,
     parse_atom,
@@ -52,25 +50,6 @@ def after_work(pool, seconds=0.1):
     """Return a stop callback that returns true once the worker has used that much processor time."""
     before = pool.cpu_time
     return lambda: pool.cpu_time > before + seconds
-
-
-# ---- Answers ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("case", [case for case in GOLDEN if len(case["updates"]) > 2], ids=lambda case: case["name"])
-def test_pool_answers_as_solver_in_this_process(case):
-    program = ReactiveProgram.from_text(case["program"])
-    here = ReactiveSolver(program, models=0)
-    with WorkerPool(program, models=0) as pool:
-        there = ProcessSolver(pool)
-        for update in case["updates"]:
-            expected, found = here.update(parse_update(update["update"])), there.update(parse_update(update["update"]))
-            assert sorted(answers(found)) == sorted(answers(expected))
-            assert (found.outcome, found.horizon, found.step) == (expected.outcome, expected.horizon, expected.step)
-            assert (found.warnings, found.permanent) == (expected.warnings, expected.permanent)
-            assert (there.horizon, there.step) == (here.horizon, here.step)
 
 
 # ---- Lifetime of workers ---------------------------------------------------------------------------------------------
