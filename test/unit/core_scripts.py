@@ -18,7 +18,7 @@ Expectations, in which ``...`` stands for any text:
     ends ACTION...                the cancelled actions
     sends TEXT, sent TEXT, unsent TEXT    the last update without its frame, one of all updates, none of them
     problem TEXT, problems NUMBER    one of the problems, their number
-    queued KEY...                 the goals that wait for a place in the program
+    queued KEY..., waits KEY TEXT    the goals that wait for a place in the program, and why one of them waits
     cycle NUMBER, patience NUMBER    the present cycle, the factor of a search's time
 """
 
@@ -107,6 +107,11 @@ def says(driver, rest, line):
     assert matches(driver.message(key), pattern), f"{line}\n{driver.message(key)}"
 
 
+def waits(driver, rest, line):
+    key, _, pattern = rest.partition(" ")
+    some([one.waits for one in driver.feedback(key)], pattern, line)
+
+
 def some(texts, pattern, line):
     assert any(matches(text, pattern) for text in texts), "\n".join((line, *texts))
 
@@ -159,6 +164,7 @@ EXPECTATIONS = {
     "problem": lambda driver, rest, line: some(driver.problems, rest, line),
     "problems": lambda driver, rest, line: same(len(driver.problems), int(rest), "\n".join((line, *driver.problems))),
     "queued": lambda driver, rest, line: same([one.key for one in driver.core.queue.waiting], rest.split(), line),
+    "waits": waits,
     "cycle": lambda driver, rest, line: same(driver.core.cycle, int(rest), line),
     "patience": lambda driver, rest, line: same(driver.core.queue.patience, int(rest), line),
 }

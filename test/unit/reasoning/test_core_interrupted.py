@@ -23,6 +23,10 @@ FAULTS = {
     "solver that drops everything": (ERRANDS, f"""
         goal a do(walk,1); fault dropped; succeed; patience 2; fault none; wait {PAUSE - 1}; all a; wait 1
         is a succeeded; does; goal b do(run,2); finish; is b succeeded"""),
+    "solver that drops one goal": (ERRANDS, f"""
+        fault dropped do(walk,4); add a do(walk,1); add b do(walk,2); add c do(walk,3); goal d do(walk,4); does
+        waits a the solver did not accept it in time; wait {PAUSE}; queued c d; finish; is b succeeded
+        wait {PAUSE}; finish; is c succeeded; fault none; wait {PAUSE}; finish; is d succeeded"""),
     "repair that is left": (DOOMED, """
         goal a do(walk,1); succeed; hear interface _seen(end); leave 2; once; sends _seen(end).; add b do(run,2)
         run; finish; is b succeeded; sent #withdraw _seen(end)...."""),

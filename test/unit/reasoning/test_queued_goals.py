@@ -5,10 +5,10 @@ from random import Random
 import pytest
 from busy_driver import BusyDriver
 from core_scripts import play, scripts
-from goal_clients import numbers_of
 from hypothesis import settings
 from office_world import OFFICES, World
 from shipped import shipped
+from test_admission import numbers_of
 from workloads import sized
 
 from rosoclingo.reasoning.admission import SHARE
