@@ -103,18 +103,21 @@ ELEMENTS = st.lists(st.tuples(st.booleans(), st.sampled_from(CHOICE), st.integer
 COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
 PAIRS = [(one, "") for one in COMPARISONS] + [("", one) for one in COMPARISONS]
 PAIRS += [(one, other) for same in (("<", "<="), (">", ">=")) for one in same for other in same]
+LOOSE = [pair for pair in PAIRS if not {"<", ">"} & {*pair}]
 NUMBERS = st.integers(-6, 6)
 #: What stands before and after an aggregate: the sign of a comparison and a number, or a bound; each can be absent.
 BOUNDS = st.tuples(st.none() | NUMBERS.map(lambda one: ("", one)), st.none() | NUMBERS.map(lambda one: ("", one)))
-SIGNS = st.builds(
-    lambda signs, one, other: (signs[0] and (signs[0], one), signs[1] and (signs[1], other)),
-    st.sampled_from(PAIRS),
-    NUMBERS,
-    NUMBERS,
-)
+
+
+def signs(pairs):
+    """Generate comparisons before and after an aggregate with these signs."""
+    found = st.tuples(st.sampled_from(pairs), NUMBERS, NUMBERS)
+    return found.map(lambda one: tuple(sign and (sign, number) for sign, number in zip(one[0], one[1:])))
+
+
 AGGREGATES = st.one_of(
-    st.tuples(st.sampled_from(["[", "#sum [", "{", "#count {"]), BOUNDS | SIGNS, st.booleans()),
-    st.tuples(st.just("#avg ["), BOUNDS, st.just(False)),
+    st.tuples(st.sampled_from(["[", "#sum [", "{", "#count {"]), BOUNDS | signs(PAIRS), st.booleans()),
+    st.tuples(st.just("#avg ["), BOUNDS | signs(LOOSE), st.just(False)),
     st.tuples(st.sampled_from(["#even [", "#even {", "#odd [", "#odd {"]), st.just((None, None)), st.just(False)),
 )
 

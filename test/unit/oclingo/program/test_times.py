@@ -6,29 +6,21 @@ from rosoclingo.oclingo import ReactiveProgram
 
 RULES = """
 #program base.
-room(a). at(a,0). age(3). shift(early,7). later(1).
+room(a). at(a,0). shift(early,7). later(1).
 #program cumulative(k).
-#external seen/2. #external mood/1.
+#external seen/2.
 #external _return(go,X,k) : room(X).
 at(X,k) :- at(X,k-1), not gone(k,X).
 gone(k,X) :- _return(go,X,k), shift(_,S), later(k).
 { plan(X,k+1) : room(X) }.
--clean(X,k) :- gone(k,X).
-span(k,X,k+5) :- at(X,k).
 mixed(k,1) :- at(a,k).
 mixed(1,k) :- at(a,k).
 known(X) :- gone(k,X).
-door(X,(k)) :- at(X,k).
-now(X,k) :- seen(X,k), mood(X).
+now(X,k) :- seen(X,k).
 since(T,k) :- plan(_,T), T <= k.
 #show (X,k) : at(X,k).
-#show here(X,k) : at(X,k).
 #show near(X;Y,k) : at(X,k), room(Y).
-#show k : at(a,k).
-#show "word" : at(a,k).
-#show X : at(X,k).
 #program volatile(last).
-late(X,last) :- at(X,last).
 """
 
 
