@@ -1,8 +1,6 @@
 """Verification of the shipped programs, and of an early delivery encoding with known defects."""
 
-import re
-from pathlib import Path
-
+import lint_programs
 import pytest
 from shipped import ENCODINGS, shipped
 from verified_programs import play
@@ -14,8 +12,7 @@ from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.sources import Source
 
-ROOT = Path(__file__).resolve().parents[4]
-FIRST = ROOT / "test" / "data" / "first_delivery"
+FIRST = lint_programs.DATA / "first_delivery"
 THREE_OFFICES = """#program base.
 office(office1). office(office2). office(office3). start(office1).
 corridor(office1,office2). corridor(office2,office3)."""
@@ -24,24 +21,11 @@ NEAR = THREE_OFFICES.replace("start(office1)", "start(office3)")
 TWO_OFFICES = "#program base. office(office1). office(office2). start(office1). corridor(office1,office2)."
 
 
-def tutorial():
-    """Return the tutorial's program."""
-    text = (ROOT / "doc" / "tutorial.md").read_text(encoding="utf-8")
-    return ReactiveProgram.from_text(re.search(r"```prolog\n(.*?)```", text, re.DOTALL).group(1))
-
-
-def template():
-    """Return the program of a new package."""
-    return ReactiveProgram.from_files([ROOT / "templates" / "package" / "encodings" / "@NAME@.lp"])
-
-
-PROGRAMS = {"paper": lambda: shipped("paper.lp"), "tutorial": tutorial, "template": template}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("name", ["paper", "garden", "template"])
 def test_verify_finds_small_programs_clean(name):
-    verdict = verify(PROGRAMS[name](), EventSelection(most=1), VerifyLimits(events=2, steps=12), seconds=300)
+    limits = VerifyLimits(events=2, steps=12)
+    verdict = verify(ReactiveProgram(lint_programs.program(name)), EventSelection(most=1), limits, seconds=300)
     assert verdict.clean, verdict.text()
 
 
