@@ -1,19 +1,27 @@
 """Drives the pure core in tests: small programs, a journal, and returns on demand."""
 
 import re
+from collections import deque
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, List, Optional, Type, Union
+from typing import Any, Callable, Deque, List, Optional, Tuple, Type, TypeVar, Union
 
-from core_journal import Journal
 from shipped import shipped
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, SolverError, SolveResult, StreamUpdate, parse_atom
+from rosoclingo.oclingo import (
+    ReactiveProgram,
+    SolveOutcome,
+    SolverError,
+    SolveResult,
+    StreamUpdate,
+    parse_atom,
+    parse_update,
+)
 from rosoclingo.planning.history import AcceptedUpdate, History
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import GoalChanged, GoalProgress
+from rosoclingo.reasoning.events import ActionsDispatched, Event, GoalChanged, GoalProgress, Problem, UpdateSent
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 
@@ -86,6 +94,53 @@ def halting(looks: int) -> SearchWatch:
         return lambda: next(left, Halt("the test"))
 
     return watch
+
+
+_Kind = TypeVar("_Kind", bound=Event)
+
+
+class Journal:
+    """An observer that keeps the latest ``size`` events, oldest first."""
+
+    def __init__(self, size: int = 10000) -> None:
+        self._events: Deque[Event] = deque(maxlen=size)
+
+    def __call__(self, event: Event) -> None:
+        """Record an event."""
+        self._events.append(event)
+
+    @property
+    def events(self) -> Tuple[Event, ...]:
+        """Return all recorded events."""
+        return tuple(self._events)
+
+    def of(self, kind: Type[_Kind]) -> List[_Kind]:
+        """Return the events of one kind."""
+        return [event for event in self._events if isinstance(event, kind)]
+
+    @property
+    def updates(self) -> List[str]:
+        """Return the texts of all stream updates, as the paper prints them."""
+        return [str(parse_update(event.stream).plain) for event in self.of(UpdateSent)]
+
+    @property
+    def stream(self) -> str:
+        """Return an online progression that replays the run: all updates in the order of the solver."""
+        return "".join(event.stream for event in self.of(UpdateSent))
+
+    @property
+    def actions(self) -> List[str]:
+        """Return all dispatched actions, as atoms."""
+        return [str(action.atom) for event in self.of(ActionsDispatched) for action in event.actions]
+
+    @property
+    def problems(self) -> List[str]:
+        """Return all reported problems."""
+        return [event.message for event in self.of(Problem)]
+
+    def states_of(self, key: str) -> List[str]:
+        """Return the states of a goal so far."""
+        return [event.state.value for event in self.of(GoalChanged) if event.key == key]
 
 
 class Driver:

@@ -5,11 +5,10 @@ import sqlite3
 from contextlib import closing
 
 from core_driver import soon
+from kept_node import KeptCore
 
-from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
@@ -28,31 +27,25 @@ def play(path, program, goals, fail_at=2, cancel_at=4, kept=None, settings=None,
     published, clock = [], [BEGIN]
     description = RunProgram.of("first start", program, {"plan": "soon", **(kept or {})}).text()
     journal = Journal(path, Header("run", program.fingerprint, "", description))
-    keeper = Keeper(published.append, journal, lambda: 0.0, lambda: clock[0])
-    core = Core(program, lambda: soon(program), keeper, settings or CoreSettings())
-    keeper.attach(core)
+    node = KeptCore(published.append, journal, program, settings or CoreSettings(), soon, lambda: clock[0])
+    core = node.core
     core.start()
-    keeper.send()
+    node.keeper.send()
     for number in range(200):
         if number < len(goals):
-            keeper.add(goals[number][0], ClientGoal(goals[number][1], (int(clock[0]), 0)))
-            core.add_goal(*goals[number])
+            node.goal(*goals[number], stamp=(int(clock[0]), 0))
         if number == cancel_at:
-            keeper.cancel(goals[1][0])
-            keeper.keep()
-            core.cancel_goal(goals[1][0])
-        while core.advance(0.0):
-            keeper.send()
-        keeper.send()
+            node.cancel(goals[1][0])
+        node.run()
         clock[0] += LASTS
         for one in ends(core.awaited):
             value = "blocked" if number == fail_at else one.parameter
             core.receive("hand", [f"_return({one.interface},{value},{one.cycle})"])
-            keeper.send()
+            node.keeper.send()
         if not core.live_goals:
             break
     assert not core.live_goals
-    keeper.close()
+    node.keeper.close()
     return journal.path, published
 
 

@@ -1,4 +1,4 @@
-"""A core over the journal in a folder, driven as its node does."""
+"""Cores with a keeper of their state, driven as their node does."""
 
 from core_driver import ERRANDS, shortest
 
@@ -12,18 +12,47 @@ from rosoclingo.reasoning.settings import CoreSettings
 PROGRAM = ReactiveProgram.from_text(ERRANDS, "errands.lp")
 
 
-class Node:
-    """Drives a core, a keeper and a journal as a node does; ``published`` are its events."""
+class KeptCore:
+    """A core over an open journal, None for none; ``tell`` gets its durable events."""
+
+    def __init__(self, tell, journal, program, settings, make=shortest, clock=lambda: 0.0):
+        kept = None if journal is None else journal.read()
+        record = None if kept is None else kept.state
+        self.keeper = Keeper(tell, journal, lambda: 0.0, clock)
+        self.core = Core(program, lambda: make(program), self.keeper, settings, record=record)
+        self.keeper.attach(self.core, record)
+
+    def goal(self, key, text, stamp=(1, 2)):
+        """Send a goal."""
+        self.keeper.add(key, ClientGoal(text, stamp))
+        self.keeper.keep()
+        self.core.add_goal(key, text)
+        return self
+
+    def cancel(self, key):
+        """Send a cancel."""
+        self.keeper.cancel(key)
+        self.keeper.keep()
+        self.core.cancel_goal(key)
+        return self
+
+    def run(self):
+        """Advance as far as possible."""
+        self.keeper.send()
+        while self.core.advance(1.0):
+            self.keeper.send()
+        self.keeper.send()
+        return self
+
+
+class Node(KeptCore):
+    """A core over the journal in a folder; ``published`` are its events."""
 
     def __init__(self, path, program=PROGRAM, horizon_limit=8):
         self.folder = Journal(path, Header("run", "program"))
-        kept = self.folder.read()
         self.published, self.at_event = [], lambda event: None
-        self.keeper = Keeper(self._tell, self.folder, lambda: 0.0, lambda: 0.0)
-        record = None if kept is None else kept.state
         settings = CoreSettings(horizon_limit=horizon_limit, search_timeout=0.0)
-        self.core = Core(program, lambda: shortest(program), self.keeper, settings, record=record)
-        self.keeper.attach(self.core, record)
+        super().__init__(self._tell, self.folder, program, settings)
         self.core.start()
         self.keeper.send()
 
@@ -35,21 +64,6 @@ class Node:
     def on_disk(self):
         """Return the state that another core would read."""
         return self.folder.read().state
-
-    def goal(self, key, text):
-        """Send a goal."""
-        self.keeper.add(key, ClientGoal(text, (1, 2)))
-        self.keeper.keep()
-        self.core.add_goal(key, text)
-        return self.run()
-
-    def run(self):
-        """Advance as far as possible."""
-        self.keeper.send()
-        while self.core.advance(1.0):
-            self.keeper.send()
-        self.keeper.send()
-        return self
 
     def succeed(self):
         """Let the actions under way succeed."""

@@ -10,20 +10,19 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from core_driver import ERRANDS, shortest
+from core_driver import ERRANDS
 from hypothesis import strategies as st
+from kept_node import KeptCore
 from workloads import sized
 
 from rosoclingo.common import database
 from rosoclingo.interfaces.memory import ActionMemory
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
 from rosoclingo.reasoning.goals import GoalState
 from rosoclingo.reasoning.journal import folder
 from rosoclingo.reasoning.journal.database import NAME, Header
 from rosoclingo.reasoning.journal.folder import Journal
-from rosoclingo.reasoning.journal.keeper import ClientGoal, Keeper
 from rosoclingo.reasoning.settings import CoreSettings
 
 PROGRAM = ReactiveProgram.from_text(ERRANDS)
@@ -263,18 +262,14 @@ def other_minded(program, seed):
     return other
 
 
-class Node:
-    """Drives a core in a folder as its node does; it is killed where ``fate`` says so."""
+class Node(KeptCore):
+    """Drives a core over a journal as its node does; it is killed where ``fate`` says so."""
 
-    def __init__(self, folder, world, fate, preempt):
+    def __init__(self, journal, world, fate, preempt):
         self._world, self._fate = world, fate
-        kept = folder.read()
-        record = None if kept is None else kept.state
-        self.keeper = Keeper(self._tell, folder, lambda: 0.0, lambda: 0.0)
-        limits = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
+        settings = CoreSettings(world.horizon_limit, 0.0, preempt, goals_at_once=3, search_timeout=0.0)
         program = other_minded(world.program, fate.instants) if world.any_plan else world.program
-        self.core = Core(program, lambda: shortest(program), self.keeper, limits, record=record)
-        self.keeper.attach(self.core, record)
+        super().__init__(self._tell, journal, program, settings)
         for action in self.core.awaited:
             world.command(action)
         self.core.start()
@@ -302,18 +297,6 @@ class Node:
         else:
             raise AssertionError("the core does not come to rest")
         self.keeper.send()
-
-    def goal(self, key, text):
-        """Send a goal."""
-        self.keeper.add(key, ClientGoal(text, (1, 2)))
-        self.keeper.keep()
-        self.core.add_goal(key, text)
-
-    def cancel(self, key):
-        """Send a cancel."""
-        self.keeper.cancel(key)
-        self.keeper.keep()
-        self.core.cancel_goal(key)
 
 
 class Play:

@@ -5,7 +5,7 @@ from typing import FrozenSet, List, Optional, Tuple
 
 import pytest
 from clingo import Symbol
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rosoclingo.oclingo import parse_atom, parse_update
@@ -150,6 +150,11 @@ class Rows(PersistentPart):
         self.plan = tuple(self.plan)
 
 
+#: A row that moves to the end.
+MOVE = [("assign", "a", []), ("assign", "b", []), ("record",), ("pop", "a"), ("assign", "a", [])]
+
+
+@example(steps=MOVE)
 @given(steps=STEPS)
 def test_changes_yield_rows_in_order_and_only_new_values(steps):
     part, recorder, rows = Rows(), ChangeRecorder(), {}

@@ -2,14 +2,13 @@
 
 import json
 
-from core_driver import ERRANDS, shortest
-from kept_node import PROGRAM
+from core_driver import ERRANDS
+from kept_node import PROGRAM, KeptCore
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged
 from rosoclingo.reasoning.goals import GoalState, Outcome
-from rosoclingo.reasoning.journal.keeper import ClientGoal, Ending, Keeper
+from rosoclingo.reasoning.journal.keeper import Ending
 from rosoclingo.reasoning.settings import CoreSettings
 
 
@@ -27,7 +26,7 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
             assert state[f"client:{event.key}"]["ending"] == ending
 
     node.at_event = look
-    node.goal("a", "do(walk,1)").goal("b", "do(").succeed()
+    node.goal("a", "do(walk,1)").run().goal("b", "do(").run().succeed()
     ends = [
         event.state.value for event in node.published if isinstance(event, GoalChanged) and event.outcome is not None
     ]
@@ -37,7 +36,7 @@ def test_keeper_writes_to_disk_before_messages_leave(start):
 
 def test_keeper_holds_unconfirmed_end_until_it_expires(start):
     node = start()
-    node.goal("a", "do(walk,1)")
+    node.goal("a", "do(walk,1)").run()
     (action,) = node.core.awaited
     node.core.receive("hand", [f"_return({action.interface},{action.parameter},{action.cycle})"])
     while node.core.advance(1.0):
@@ -46,7 +45,7 @@ def test_keeper_holds_unconfirmed_end_until_it_expires(start):
     again = start()
     assert again.keeper.clients["a"].ending == Ending(GoalState.SUCCEEDED, Outcome.SUCCEEDED, "do(walk,1) is met")
     again.keeper.forget(["a"])
-    again.goal("b", "do(walk,2)")
+    again.goal("b", "do(walk,2)").run()
     assert list(start().keeper.clients) == ["b"]
 
 
@@ -65,7 +64,7 @@ def test_keeper_shutdown_cancels_each_action_under_way(start):
     program = ReactiveProgram.from_text(TOGETHER)
     node = start(program)
     node.core.add_goal("a", "do(walk,1)")
-    node.goal("b", "do(run,2)")
+    node.goal("b", "do(run,2)").run()
     under_way = node.core.awaited
     assert len(under_way) == 2
 
@@ -89,21 +88,17 @@ def test_keeper_shutdown_cancels_each_action_under_way(start):
     again.run()
     assert not again.core.awaited
     assert not again.core.plan.remaining(again.core.cycle), "nothing is done for a goal that was aborted"
-    again.goal("c", "do(walk,3)").succeed()
+    again.goal("c", "do(walk,3)").run().succeed()
     assert [one.outcome for one in again.published if isinstance(one, GoalChanged)][-1] is Outcome.SUCCEEDED
 
 
 def test_keeper_releases_all_messages_without_journal():
     published = []
-    keeper = Keeper(published.append, None, lambda: 0.0, lambda: 0.0)
-    core = Core(PROGRAM, lambda: shortest(PROGRAM), keeper, CoreSettings(horizon_limit=8, search_timeout=0.0))
-    keeper.attach(core)
-    core.start()
-    keeper.add("a", ClientGoal("do(", (1, 2)))
-    keeper.keep()
-    core.add_goal("a", "do(")
+    node = KeptCore(published.append, None, PROGRAM, CoreSettings(horizon_limit=8, search_timeout=0.0))
+    node.core.start()
+    node.goal("a", "do(")
     assert published == []
-    keeper.send()
+    node.keeper.send()
     assert [(one.key, one.state) for one in published if isinstance(one, GoalChanged)] == [("a", GoalState.REJECTED)]
-    assert (keeper.clients, keeper.fault) == ({}, "")
-    keeper.close()
+    assert (node.keeper.clients, node.keeper.fault) == ({}, "")
+    node.keeper.close()
