@@ -1,6 +1,7 @@
 """Plays updates given as text on the stream solvers, and returns or checks their answers."""
 
 import time
+from contextlib import contextmanager
 from itertools import count
 from types import SimpleNamespace
 from unittest import mock
@@ -9,11 +10,13 @@ import pytest
 from stream_logs import copied, cut, texts
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_atom, parse_update
+from rosoclingo.planning import compaction
 from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.reasoning import stream_planner
 
 IGNORED = "Head {} has not been declared external. The entire rule will be ignored."
 
@@ -35,6 +38,17 @@ def processor_clock(read):
     """Replace the processor time of the planner by ``read``."""
     clock = SimpleNamespace(perf_counter=time.perf_counter, process_time=read)
     return mock.patch.object(solver_module, "time", clock)
+
+
+@contextmanager
+def compacting(steps, shown=compaction.SHOWN_STEPS):
+    """Let solvers compact after this number of steps, and show this number of past ones, as if a run were long."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solver_module, "LEAST_STEPS", steps)
+        patch.setattr(solver_module, "MANY_STEPS", steps)
+        patch.setattr(stream_planner, "RECENT", steps)
+        patch.setattr(compaction, "SHOWN_STEPS", shown)
+        yield
 
 
 def play(solver, text):

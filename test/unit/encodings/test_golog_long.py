@@ -3,9 +3,9 @@
 import pytest
 from core_driver import Driver, shortest
 from golog_scripts import domain_with
+from stream_play import compacting
 from workloads import sized
 
-from rosoclingo.planning import solver as plan_solver
 from rosoclingo.reasoning import stream_planner
 
 PROGRAMS = """
@@ -27,9 +27,9 @@ ROUNDS = sized(11, 15)
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
     """Compact steps as early as possible; steps that an open goal has seen, after 5 cycles."""
-    monkeypatch.setattr(plan_solver, "LEAST_STEPS", 1)
-    monkeypatch.setattr(plan_solver, "MANY_STEPS", 1)
     monkeypatch.setattr(stream_planner, "LONG_AGO", 5)
+    with compacting(1):
+        yield
 
 
 @pytest.mark.slow

@@ -15,8 +15,10 @@ PROCEDURES = """
 proc other { a; await f; b; }
 proc other(X) { pick Y: is(Y) and X = Y { if Y = a { a; } else { b; } } }
 proc pair { a; b; }
+proc waiting { await g; d; }
 proc tried { try { retry 1 { a; b; } } else { c; } }
 proc nested { do { do { a; b; } on cancel { c; } } on cancel { tidy; } }
+proc both { interleave { do { a; await f; } on cancel { c; } } with { do { d; await f; } on cancel { tidy; } } }
 proc untrue { test f; }
 proc unpicked { pick X: is(X) and f { a; } }
 """
@@ -35,6 +37,9 @@ SCENES = {
         says h the program rejects run(other(1,2),2): there is no program other(1,2)""",
     "preempted program tries again": f"""
         goal g run(pair,1); {"breaks a preempted;" * 5} performs a b""",
+    "failures are counted again when a program is asked for or cancelled": """
+        goal g run(pair,1); breaks a; breaks a; goal h run(waiting,2); breaks a; breaks a; cancel h; breaks a; breaks a
+        is g active; is h preempted; performs a b""",
     "reason of failures": """
         goal g run(pair,1); breaks a; breaks a; breaks a; does; says g ...a has failed 3 times in a row...""",
 }  # fmt: skip
@@ -47,9 +52,11 @@ def test_golog_scene_follows_the_script(row):
 
 
 @pytest.mark.slow
-def test_golog_retries_once_and_undoes_the_inner_program_first():
+def test_golog_retries_once_and_undoes_all_begun_programs_inner_ones_first():
     run(program(), "goal g run(tried,1); step a; breaks b; step a; breaks b; performs c; is g succeeded")
     run(program(), "goal g run(nested,1); step a; cancel g; fail stuck; performs c tidy; is g preempted")
+    driver = run(program(), "goal g run(both,1); finish; cancel g; finish; is g preempted")
+    assert sorted(one.split(",")[1] for one in driver.journal.actions) == ["a", "c", "d", "tidy"]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Fixtures for tests of the planner."""
 
 import pytest
+from stream_play import compacting
 
 from rosoclingo.planning import grounding, solver
 from rosoclingo.planning.grounding import Grounding
@@ -9,11 +10,11 @@ from rosoclingo.planning.grounding import Grounding
 @pytest.fixture
 def compacts_at_once(monkeypatch):
     """Compact as much as possible after each search, and ground step by step."""
-    monkeypatch.setattr(solver, "LEAST_STEPS", 1)
-    monkeypatch.setattr(solver, "MANY_STEPS", 1)
     monkeypatch.setattr(grounding, "PIECE", 1)
     monkeypatch.setattr(grounding, "CLOSED_PIECE", 1)
     monkeypatch.setattr(solver, "BLOCK", 1)
+    with compacting(1):
+        yield
 
 
 @pytest.fixture

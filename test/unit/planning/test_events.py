@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 from plain_walk import EARLY, next_update
 from recorded_streams import PLANNED
 from stream_logs import text_of
-from stream_play import check_answer, delay_plan, interrupt, stop_after
+from stream_play import check_answer, compacting, delay_plan, interrupt, stop_after
 
 from rosoclingo.oclingo import ReactiveProgram, SolverError, StreamUpdate, commitment
 from rosoclingo.oclingo.progression.updates import Expire
-from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan, cycle_of
 from rosoclingo.planning.solver import PlanSolver
 
@@ -222,7 +221,5 @@ def test_events_between_updates_change_no_answer(name, seed, models, events):
 @given(st.integers(0, 10**6), st.sampled_from([1, 16]), st.lists(IMPROVEMENTS, min_size=3, max_size=8))
 def test_improved_plans_are_answers_of_the_whole_history(name, seed, least_steps, events):
     """After any predicted updates, checkpoints, compactions and withdrawals since the last search."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solver_module, "LEAST_STEPS", least_steps)
-        patch.setattr(solver_module, "MANY_STEPS", least_steps)
+    with compacting(least_steps):
         play(Trip(name, Random(seed), 0.0), events)

@@ -4,8 +4,7 @@ The world is modelled independently of the program: a robot, packages, and inter
 each step; at the end all actions under way succeed, and every goal must have ended.
 """
 
-from contextlib import ExitStack
-from unittest.mock import patch
+from contextlib import ExitStack, nullcontext
 
 from core_driver import Driver
 from hypothesis import settings
@@ -14,10 +13,9 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from late_standby import NEVER, Standby
 from office_world import OFFICES, World
 from shipped import shipped
+from stream_play import compacting
 from stream_replay import check_replay
 
-from rosoclingo.planning import compaction, solver
-from rosoclingo.reasoning import stream_planner
 from rosoclingo.reasoning.events import ActionsDispatched, ActionsPreempted, GoalChanged, PlanMade
 from rosoclingo.reasoning.returns import DONE
 from rosoclingo.reasoning.settings import CoreSettings
@@ -25,14 +23,6 @@ from rosoclingo.reasoning.stream_planner import unwatched
 
 REASONS = ("failed", "blocked", "timeout", "server_lost", "something(odd,17)", '"no text of any kind"')
 TIMEOUT = 50.0
-
-#: Cycles after which the solver compacts, small so that a short run reaches what otherwise only a long run does.
-FORGETFUL = (
-    (stream_planner, "RECENT", 2),
-    (solver, "LEAST_STEPS", 2),
-    (solver, "MANY_STEPS", 2),
-    (compaction, "SHOWN_STEPS", 1),
-)
 
 #: actionlib's state diagram of a goal on the server, in its words; the first state is pending.
 FOLLOWS = {
@@ -50,8 +40,7 @@ class CoreMachine(RuleBasedStateMachine):
     def begin(self, preempt, forgetful, delay):
         """Begin with a standby worker whose answers come with a ``delay`` in cycles; None for no such worker."""
         self.patches = ExitStack()
-        for module, name, value in FORGETFUL if forgetful else ():
-            self.patches.enter_context(patch.object(module, name, value))
+        self.patches.enter_context(compacting(2, shown=1) if forgetful else nullcontext())
         self.driver = Driver(
             settings=CoreSettings(horizon_limit=60, action_timeout=TIMEOUT, preempt=preempt),
             program=shipped("mailbot.lp", "office.lp"),

@@ -1,18 +1,16 @@
 """Random courses of actions that go on: each update is the one that an independent model of the interfaces predicts."""
 
 import json
-from contextlib import ExitStack
-from unittest.mock import patch
+from contextlib import nullcontext
 
 import pytest
 from core_driver import shortest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from stream_play import compacting
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
-from rosoclingo.planning import solver
-from rosoclingo.reasoning import stream_planner
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged, UpdateSent
 from rosoclingo.reasoning.keywords import ACTION_LIB, RETURN, RUNNING
@@ -153,8 +151,5 @@ EVENTS = st.one_of(
 @given(st.lists(EVENTS, min_size=3, max_size=24), st.booleans())
 def test_random_long_actions_give_predicted_updates(events, compacts):
     """The updates are the same if past steps are compacted early."""
-    constants = (stream_planner, "RECENT", 1), (solver, "LEAST_STEPS", 2), (solver, "MANY_STEPS", 2)
-    with ExitStack() as stack:
-        for module, name, value in constants if compacts else ():
-            stack.enter_context(patch.object(module, name, value))
+    with compacting(2) if compacts else nullcontext():
         Workshop().play(events)

@@ -3,30 +3,18 @@
 Also while actions of several cycles run, and with preemption. The action servers survive every kill.
 """
 
-import copy
-import tempfile
 from collections import Counter
-from pathlib import Path
 
 import office_world
 import pytest
-from core_driver import shortest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from killed_core import HAPPENED, KEYS, KILLS, PROGRAM, Fate, Play, World, played
+from killed_core import HAPPENED, KEYS, KILLS, World, played
 from shipped import shipped
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram
-from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.goals import GoalState
-from rosoclingo.reasoning.journal import folder
-from rosoclingo.reasoning.journal.database import NAME, history
-from rosoclingo.reasoning.settings import CoreSettings
-
-#: Rows of the journal that belong to the keeper rather than the core.
-KEEPERS = ("client:", "unmet:")
-
 
 #: Goals do(Machine,Id) as those of the errands, any number of them at once.
 ERRANDS_AT_ONCE = TEAM.replace("job(M,I)", "do(M,I)").replace("M != broken", "M != never")
@@ -129,27 +117,6 @@ def test_interfaces_or_core_survive_kill_at_every_instant(script, kind):
         assert play.kills + play.world.kills == 1
         interfaces += play.world.kills
     assert 0 < interfaces < fate.instants
-
-
-@pytest.fixture(scope="module")
-def states():
-    """Return the states that an undisturbed core writes, from its first record on."""
-    with tempfile.TemporaryDirectory() as name:
-        fate = Fate()
-        with fate.rules(), pytest.MonkeyPatch.context() as patch:
-            patch.setattr(folder, "RECORDS", 10**9)
-            Play(Path(name), fate, World, preempt=False).play(SCRIPT)
-        return [copy.deepcopy(state) for state, _ in history(Path(name) / "core" / NAME)[1]]
-
-
-@pytest.mark.slow
-def test_journal_state_equals_state_of_resumed_core(states):
-    limits = CoreSettings(8, 0.0, goals_at_once=3, search_timeout=0.0)
-    assert len(states) > 20
-    for state in states:
-        own = {name: value for name, value in state.items() if not name.startswith(KEEPERS)}
-        core = Core(PROGRAM, lambda: shortest(PROGRAM), lambda event: None, limits, record=copy.deepcopy(own))
-        assert core.state() == own
 
 
 @pytest.mark.slow
