@@ -47,51 +47,47 @@ def test_golog_program_not_yet_begun_can_be_withdrawn():
 # ---- in any order ----------------------------------------------------------------------------------------------------
 
 FLUENTS = ["f", "g", "no(a)", "no(b)", "no(tidy)"]
+FACTS = st.builds("{}({},now)".format, st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS))
 HAPPENED = st.one_of(
     st.tuples(st.just("ask"), st.sampled_from([*NAMES, "missing"]), st.integers(1, 2)),
     st.tuples(st.just("ask"), st.sampled_from(NAMES), st.integers(1, 2)),
-    st.tuples(st.just("cancel"), st.integers(0, 3)),
-    st.tuples(st.sampled_from(["succeed", "succeed", "fail", "preempted"])),
-    st.tuples(st.just("fact"), st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS)),
+    st.tuples(st.just("retract"), st.integers(0, 3)),
+    st.tuples(st.just("succeed")),
+    st.tuples(st.just("fail"), st.sampled_from(["stuck", "preempted"])),
+    st.tuples(
+        st.just("facts"), st.builds("{}({},now)".format, st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS))
+    ),
 )
 
 
-class Play:
-    """Goals of a core, and events that concern them."""
+class Play(Driver):
+    """A core with these programs, and events that concern its goals."""
 
     def __init__(self):
-        self.driver, self.keys = Driver(program=program()), []
+        self.keys = []
+        super().__init__(program=program())
 
     def ask(self, name, identity):
         self.keys.append(f"{len(self.keys)} {name}")
-        self.driver.goal(self.keys[-1], f"run({name},{identity})")
+        self.goal(self.keys[-1], f"run({name},{identity})")
 
-    def cancel(self, number):
+    def retract(self, number):
+        """Cancel a goal, the last one with the number 0."""
         if self.keys:
-            self.driver.cancel(self.keys[-1 - number % len(self.keys)])
+            self.cancel(self.keys[-1 - number % len(self.keys)])
 
-    def succeed(self):
-        self.driver.succeed()
-
-    def fail(self):
-        if self.driver.core.awaited:
-            self.driver.fail("stuck")
-
-    def preempted(self):
-        if self.driver.core.awaited:
-            self.driver.fail("preempted")
-
-    def fact(self, word, fluent):
-        self.driver.facts(f"{word}({fluent},now)")
+    def fail(self, reason):
+        """Fail the action under way, if there is one."""
+        return super().fail(reason) if self.core.awaited else self
 
     def end(self):
         """Make all actions possible and successful again: each goal ends."""
-        self.driver.facts("_set(f,now)", "_set(g,now)", *(f"_unset({one},now)" for one in FLUENTS[2:])).finish()
+        self.facts("_set(f,now)", "_set(g,now)", *(f"_unset({one},now)" for one in FLUENTS[2:])).finish()
         for key in self.keys:
-            last, message = self.driver.states(key)[-1], self.driver.message(key)
+            last, message = self.states(key)[-1], self.message(key)
             assert last in ("rejected", "recalled", "preempted", "succeeded", "aborted"), key
             assert last != "rejected" or "missing" in key or "is in use" in message, message
-        assert not self.driver.problems
+        assert not self.problems
 
 
 @pytest.mark.slow

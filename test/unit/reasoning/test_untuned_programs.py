@@ -1,12 +1,12 @@
 """A core with programs without solver heuristics: plans are valid and short, without superfluous actions."""
 
-import sys
 from functools import lru_cache, partial
-from pathlib import Path
 from random import Random
 
 import pytest
 from core_driver import Driver, shortest, soon
+from incmode import shortest_plan
+from planning_domains import DOMAINS, check, superfluous
 from workloads import sized
 
 from rosoclingo.oclingo import parse_update
@@ -14,11 +14,6 @@ from rosoclingo.planning.history import Plan
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
-
-sys.path.append(str(Path(__file__).resolve().parents[3] / "bench"))
-
-from incmode import shortest_plan  # noqa: E402
-from planning_domains import DOMAINS, check, superfluous  # noqa: E402
 
 #: Accepts the first plan: no time is left to improve it.
 FIRST = partial(soon, plan_time=0.0)

@@ -18,13 +18,10 @@ SEEDS = [
     ("house", "house.lp", "#external _seen/3.", "@#external _sen/3.", "misspelt", "did you mean _seen/3?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- @cal(F,t).", "undefined", "did you mean call/2?"),
     ("grow", "grow.lp", "w(t) :- w(t-1).", "w(t) :- @v(t-1).", "undefined", "write a rule or an #external for it"),
-    # numbers of arguments
     # unused predicates
     ("garden", "garden.lp", "poured(t)    :- w", "@thirst(t) :- busy(t).\npoured(t) :- w", "unused", "remove it"),
-    ("paper", "paper.lp", "#external _return/3.", "#external _return/3.\n@#external _rain/2.", "unused", "_rain/2"),
     # impossible values
     ("garden", "garden.lp", "at(tap,t-1)", "at(@tab,t-1)", "no-match", "did you mean tap?"),
-    ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) :- call(F,t), not call(@7,t).", "no-match", "0, 1, 2"),
     # circular rules, and bodies that never hold
     ("bound", "bound.lp", "c(t) :- e(t).", "@c(t) :- d(t).\nd(t) :- c(t).", "unfounded", "its rules need d/1"),
     ("lift", "lift.lp", "up(t), F < 5.", "up(t), F < 5, @not up(t).", "contradiction", "up(t) and not up(t)"),
@@ -47,7 +44,6 @@ SEEDS = [
         "no-step",
         "have the steps t and t+1",
     ),
-    ("grow", "grow.lp", "w(t) :- w(t-1).", "@w(t+1) :- w(t).", "redefinition", "give the head the step"),
     ("bound", "bound.lp", "c(t) :- e(t).", "c(t) :- @e(t+1).", "late-external", "write #external e(t+1)."),
     (
         "bodies",
@@ -77,7 +73,6 @@ SEEDS = [
     ("battery", "battery.lp", "_battery(low,t).", "@_battery(low,T), T <= t.", "history", "like t-T < 60"),
     # exchanged names and arguments
     ("template", "@NAME@.lp", "at(P,t)       :- moved", "at(@p,t)       :- moved", "lower-case", "did you mean P?"),
-    ("garden", "garden.lp", "done(fill,can,t).", "done(fill,can,t), V = @v.", "lower-case", "did you mean V?"),
     # punctuation that changes the statement
     ("garden", "garden.lp", "place(home). place(tap).", "place(home). place(tap)@,", "mark", "did you mean a dot?"),
     ("lift", "lift.lp", "open(F,t) :- call(F,t).", "open(F,t) @: call(F,t).", "mark", "did you mean ':-'?"),
@@ -93,7 +88,6 @@ SEEDS = [
     ("garden", "garden.lp", "#program cumulative(t).\n\n% Failures", "% Failures", "at-the-end", "before the"),
     # atoms exchanged with the core
     ("garden", "garden.lp", "#show _action_lib/3.\n", "", "hidden", "write #show _action_lib/3."),
-    ("garden", "garden.lp", "#show _status/3.\n", "", "hidden", "the core never receives it"),
     ("template", "@NAME@.lp", "_says(move_base,", "_says(@movebase,", "idle-words", "did you mean move_base?"),
     ("template", "@NAME@.lp", '_says("visit(', '_says(@"visits(', "idle-words", "rules ask for visit(P)"),
     ("template", "@NAME@.lp", '"Visit the {Place}"', '@"Visit the {Room}"', "idle-words", "has no variable Room"),
@@ -170,7 +164,6 @@ SEEDS = [
     ("lift", "lift.lp", "at(0,0).", "at(0,0).\nhigh :- F = 1, 0 < #sum { @F : at(F,X) }.", "clingo", "global variable"),
     ("mailbot", RULES, "_full(t) :- capacity {", "_full(t) :- @capcity {", "no-number", "did you mean capacity?"),
     ("mailbot", "office.lp", "start(office1)", "start(hall)", "no-match", "no L fits both start(L) and place(L)"),
-    ("grow", "grow.lp", "{ m(t) }.", "{ m(t) }.\nx(1..@most).", "no-number", "write #const most = 1."),
     ("garden", "garden.lp", "can(0,0).", "can(0,0).\ntwice(P@+1) :- plant(P).", "undefined-operation", "(P+1)"),
     ("encoding_window", "encoding_window.lp", "foo(t).", "@foo(t,X) :- not s(X).", "unsafe", "unsafe variable X"),
     ("errands", "errands.lp", "check: ok history\n", "check: ok histry\n", "silence", "did you mean history?"),
