@@ -1,9 +1,8 @@
 """Drives a core whose searches time out above a number of goals, or at random."""
 
-from functools import partial
 from random import Random
 
-from core_driver import Driver, shortest
+from core_driver import Driver
 
 from rosoclingo.oclingo.progression.updates import Volatile
 from rosoclingo.planning.solver import PlanSolver
@@ -63,7 +62,7 @@ class BusyDriver(Driver):
 
     def make_solver(self, program):
         """Make a solver that asks this driver."""
-        solver = shortest(program, partial(BusySolver, plan_time=self.plan_time))
+        solver = BusySolver(program, plan_time=self.plan_time)
         solver.ends, solver.needed = self.ends, lambda: self.seconds(len(self.core.queue.served))
         return solver
 

@@ -3,6 +3,7 @@
 import re
 from collections import deque
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Deque, List, Optional, Tuple, Type, TypeVar, Union
 
@@ -41,9 +42,8 @@ done(I,t) :- _action_lib(quick,I,t).
 """
 
 
-def shortest(program: ReactiveProgram, kind: Callable[..., PlanSolver] = PlanSolver) -> PlanSolver:
-    """Make a solver as the core's node does with ``~plan: shortest``, or one of another ``kind``."""
-    return kind(program)
+#: Solvers as those of the core's node with ``~plan: shortest``, and without time for better plans than the first.
+shortest, first = PlanSolver, partial(PlanSolver, plan_time=0.0)
 
 
 def soon(program: ReactiveProgram, plan_time: float = 1.0) -> PlanSolver:
@@ -307,4 +307,4 @@ class FaultyDriver(Driver):
                 result = super().update(update, stopped)
                 return result if fault is None else replace(result, outcome=fault, answers=())
 
-        return shortest(program, FaultySolver)
+        return FaultySolver(program)

@@ -1,9 +1,7 @@
 """The mailbot's day as in its scenario, run by the pure core: it ends with any plans that the core finds."""
 
-from functools import partial
-
 import pytest
-from core_driver import Driver, shortest, soon
+from core_driver import Driver, first, shortest
 from golog_programs import ENCODINGS
 from workloads import sized
 
@@ -64,14 +62,10 @@ class Day:
         self.driver.succeed()
 
 
-#: Solvers with unlimited time, and with none.
-SOLVERS = {"shortest": shortest, "hasty": partial(soon, plan_time=0.0)}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("solver", "reason"), [("hasty", "timeout"), *sized([], [("shortest", "blocked")])])
+@pytest.mark.parametrize(("solver", "reason"), [(first, "timeout"), *sized([], [(shortest, "blocked")])])
 def test_mailbot_day_ends_as_its_scenario_says(solver, reason):
-    day = Day(SOLVERS[solver], reason).play()
+    day = Day(solver, reason).play()
     assert not day.events
     expected = SCENARIO.expect
     assert [day.driver.states(key)[-1].replace("preempted", "canceled") for key in day.keys] == expected["goals"]

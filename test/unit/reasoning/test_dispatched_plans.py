@@ -9,7 +9,7 @@ from functools import partial
 
 import pytest
 from children import preparing_process, wait_until_prepared
-from core_driver import Driver, shortest, soon
+from core_driver import Driver, first, shortest, soon
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from late_standby import NEVER, Standby
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.once
 
 LOOKS = 300  # calls in which an improvement checks whether to stop
 
-SOLVERS = {"shortest": shortest, "first": partial(soon, plan_time=0.0), "soon": partial(soon, plan_time=0.05)}
+SOLVERS = {"shortest": shortest, "first": first, "soon": partial(soon, plan_time=0.05)}
 
 #: Number of offices, corridors, start, capacity.
 ROW = (4, ((1, 2), (2, 3), (3, 4)), 1, 3)

@@ -1,11 +1,8 @@
 """Improved plans are sent out while actions run; an arrival ends the search for them."""
 
-from functools import partial
-
 import pytest
-from core_driver import Driver
+from core_driver import Driver, first
 
-from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import GoalProgress, PlanMade
 
 pytestmark = pytest.mark.once
@@ -30,14 +27,10 @@ done(M,t) :- _action_lib(do,M,t).
 """
 
 
-#: Makes solvers that return the first plan.
-quickest = partial(PlanSolver, plan_time=0.0)
-
-
 @pytest.fixture
 def driver():
     """Return a core whose first action is under way, with a plan that is not the shortest."""
-    one = Driver(SLOW, solver=quickest).goal("a", "do(4,1)")
+    one = Driver(SLOW, solver=first).goal("a", "do(4,1)")
     assert len(one.core.awaited) == 1
     return one
 

@@ -1,10 +1,10 @@
 """A core with programs without solver heuristics: plans are valid and short, without superfluous actions."""
 
-from functools import lru_cache, partial
+from functools import lru_cache
 from random import Random
 
 import pytest
-from core_driver import Driver, shortest, soon
+from core_driver import Driver, first, shortest
 from incmode import shortest_plan
 from planning_domains import DOMAINS, check, superfluous
 from workloads import sized
@@ -14,9 +14,6 @@ from rosoclingo.planning.history import Plan
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
-
-#: Accepts the first plan: no time is left to improve it.
-FIRST = partial(soon, plan_time=0.0)
 
 #: The arguments of a task that is executed, and of a larger one that is only planned.
 SIZES = {
@@ -77,7 +74,7 @@ class Run:
 
     def __init__(self, task):
         self.task, self.world, self.steps, self.failed, self.given_up = task, task.world(), 0, 0, set()
-        self._driver = Driver(program=task.program, solver=FIRST, settings=CoreSettings())
+        self._driver = Driver(program=task.program, solver=first, settings=CoreSettings())
         self.core = self._driver.core
         for number, goal in enumerate(task.goals, 1):
             self.core.add_goal(str(number), goal.term)
@@ -139,7 +136,7 @@ class Run:
 @pytest.mark.parametrize("kind", sorted(SIZES))
 def test_untuned_first_plan_has_no_superfluous_actions(kind, seed):
     task = task_of(kind, seed, large=sized(False, True))
-    plan = steps_of_answer(FIRST(task.program).update(ask_all(task)))
+    plan = steps_of_answer(first(task.program).update(ask_all(task)))
     assert superfluous(task.world(), plan) == set()
     assert all(plan), "no step is idle"
 

@@ -2,10 +2,9 @@
 
 import dataclasses
 import json
-from functools import partial
 
 import pytest
-from core_driver import ERRANDS, shortest, soon
+from core_driver import ERRANDS, first, shortest
 from core_programs import rooms
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -127,7 +126,7 @@ def compare(program, solver, script, cuts):
 BELIEVED = ERRANDS + '#show done/2. at(2,0). #show at/2. #show "a,b". #show 7.'
 
 #: Solvers for either setting of ``~plan``, without time to improve plans: two runs would improve them differently.
-SOLVERS = {"shortest": shortest, "soon": partial(soon, plan_time=0.0)}
+SOLVERS = {"shortest": shortest, "first": first}
 
 
 @pytest.mark.slow
