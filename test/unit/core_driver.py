@@ -4,10 +4,9 @@ import re
 from collections import deque
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any, Callable, Deque, List, Optional, Tuple, Type, TypeVar, Union
 
-from shipped import shipped
+from shipped import DATA, shipped
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
@@ -27,7 +26,7 @@ from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, SearchWatch, unwatched
 
 #: One errand per goal ``do(What,Id)``; see the file.
-ERRANDS = (Path(__file__).resolve().parents[1] / "data" / "errands.lp").read_text()
+ERRANDS = (DATA / "errands.lp").read_text()
 
 #: Goals ``do(Id)``. The past is over: only open goals go from step to step, as in the shipped programs.
 FORGETFUL = """

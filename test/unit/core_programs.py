@@ -1,10 +1,7 @@
 """Small programs for tests of the core."""
 
-from pathlib import Path
-
 from core_driver import ERRANDS
-
-DATA = Path(__file__).resolve().parents[1] / "data"
+from shipped import DATA
 
 #: Errands do(What,Id), except while the battery is low. Past ones are forgotten.
 BATTERY = (DATA / "battery.lp").read_text() + "#program cumulative(t).\n"

@@ -1,11 +1,8 @@
 """Random control programs in a small domain, and their representations: terms for the encoding, and text."""
 
-from pathlib import Path
-
 from golog_interpreter import put
 from hypothesis import strategies as st
 
-ENCODINGS = Path(__file__).resolve().parents[2] / "encodings"
 FLUENTS = (("f",), ("g",), ("h", 1), ("h", 2))
 ACTIONS = (("a",), ("b",), ("c",), ("e", 1), ("e", 2))
 END = ("z",)

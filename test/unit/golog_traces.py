@@ -3,7 +3,8 @@
 import re
 
 import clingo
-from golog_programs import ENCODINGS, END, PROCEDURE_RULES, TOY, Terms
+from golog_programs import END, PROCEDURE_RULES, TOY, Terms
+from shipped import ENCODINGS
 
 OPEN = re.compile(r"^#external \w+/\d\.", re.MULTILINE)
 ENGINE = [OPEN.sub("", (ENCODINGS / "golog" / f"{name}.lp").read_text()) for name in ("transitions", "running")]

@@ -5,13 +5,12 @@ from functools import lru_cache
 from pathlib import Path
 
 import pytest
-from shipped import ENCODINGS, GOLDEN, ROOT
+from shipped import DATA, ENCODINGS, GOLDEN, ROOT
 
 from rosoclingo.checking.lint.linting import findings, lint_sources
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 
-DATA = ROOT / "test" / "data"
 FILES = {
     "mailbot": [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"],
     "house": [ENCODINGS / "house.lp", ENCODINGS / "home.lp"],

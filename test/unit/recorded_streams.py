@@ -8,13 +8,12 @@ import hashlib
 import json
 import time
 from functools import lru_cache, partial
-from pathlib import Path
 from typing import Any, Callable, Dict, FrozenSet, Iterator, List, Optional, Tuple
 
 import clingo
 from busy_driver import ERRANDS
 from foreign_programs import SOUND
-from shipped import shipped
+from shipped import DATA, shipped
 
 from rosoclingo.oclingo import (
     ReactiveProgram,
@@ -30,7 +29,7 @@ from rosoclingo.planning.explaining.questions import Stream
 from rosoclingo.planning.minimal_sets import UndecidedError
 from rosoclingo.planning.solver import PlanSolver
 
-DATA = Path(__file__).resolve().parents[1] / "data" / "recorded_streams.jsonl.gz"
+STREAMS = DATA / "recorded_streams.jsonl.gz"
 STEPS = 20  # the bound of each update
 SECONDS = 5.0  # processor time for an explanation; longer ones are not recorded
 LATE = "late"
@@ -137,7 +136,7 @@ def _atoms(texts: List[str]) -> FrozenSet[clingo.Symbol]:
 @lru_cache(maxsize=1)
 def recorded() -> List[Record]:
     """Return the stored streams."""
-    with gzip.open(DATA, "rt", encoding="utf-8") as file:
+    with gzip.open(STREAMS, "rt", encoding="utf-8") as file:
         return [json.loads(line) for line in file]
 
 
@@ -156,7 +155,7 @@ def record_again(record: Record) -> Record:
 def main() -> None:
     """Record the answers of the present solver to all stored streams."""
     lines = "".join(json.dumps(record_again(one)) + "\n" for one in recorded())
-    DATA.write_bytes(gzip.compress(lines.encode("utf-8"), 9, mtime=0))
+    STREAMS.write_bytes(gzip.compress(lines.encode("utf-8"), 9, mtime=0))
 
 
 if __name__ == "__main__":

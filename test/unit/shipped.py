@@ -7,10 +7,10 @@ from pathlib import Path
 from rosoclingo.oclingo import ReactiveProgram
 
 ROOT = Path(__file__).resolve().parents[2]
-ENCODINGS = ROOT / "encodings"
+ENCODINGS, DATA = ROOT / "encodings", ROOT / "test" / "data"
 
 #: Programs with updates, and the answers, the horizon and the end of each.
-GOLDEN = json.loads((ROOT / "test" / "data" / "oclingo_golden.json").read_text(encoding="utf-8"))
+GOLDEN = json.loads((DATA / "oclingo_golden.json").read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=None)

@@ -2,7 +2,7 @@
 
 from core_driver import Driver
 from core_scripts import play
-from golog_programs import ENCODINGS
+from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source

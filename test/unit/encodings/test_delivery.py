@@ -1,16 +1,15 @@
 """The names in the shared delivery rules: few concern a domain, and few connect the files."""
 
 import re
-from pathlib import Path
 
 import pytest
 from clingo.ast import ASTType
+from shipped import ENCODINGS
 
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.signatures import Signature, occurrences
 from rosoclingo.oclingo.program.sources import Source, read_sources
 
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))
 
 

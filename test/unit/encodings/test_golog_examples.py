@@ -1,24 +1,23 @@
 """The examples of the literature: the actions that their papers give, and reactions to events."""
 
 from functools import lru_cache
-from pathlib import Path
 
 import pytest
 from core_scripts import scripts
-from golog_programs import ENCODINGS
 from golog_scripts import plans, run
+from shipped import DATA, ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.settings import CoreSettings
 
-GOLOG, DATA = ENCODINGS / "golog", Path(__file__).resolve().parents[2] / "data" / "golog"
+GOLOG, PUBLISHED = ENCODINGS / "golog", DATA / "golog"
 
 
 @lru_cache(maxsize=None)
 def example(name):
     """Return an example's program."""
-    return ReactiveProgram.from_files([DATA / f"{name}.golog"])
+    return ReactiveProgram.from_files([PUBLISHED / f"{name}.golog"])
 
 
 def shipped_example(name, facts, **constants):

@@ -4,8 +4,8 @@ from functools import lru_cache
 
 import pytest
 from core_scripts import scripts
-from golog_programs import ENCODINGS
 from golog_scripts import domain_with, run
+from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source

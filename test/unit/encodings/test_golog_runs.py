@@ -2,11 +2,12 @@
 
 import clingo
 import pytest
-from golog_programs import ACTIONS, ENCODINGS, FLUENTS, PROCEDURE_RULES, PROCEDURES, TOY, Terms, Toy, programs
+from golog_programs import ACTIONS, FLUENTS, PROCEDURE_RULES, PROCEDURES, TOY, Terms, Toy, programs
 from golog_runs import Runs
 from golog_traces import ENGINE, OPEN
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from shipped import ENCODINGS
 
 PHASES = [Phase.explicit, Phase.reuse, Phase.generate]  # failing examples are short already, and slow to shrink
 RUNS = settings(max_examples=max(1, settings.default.max_examples // 2), phases=PHASES)

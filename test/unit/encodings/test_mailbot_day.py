@@ -2,7 +2,7 @@
 
 import pytest
 from core_driver import Driver, first, shortest
-from golog_programs import ENCODINGS
+from shipped import ENCODINGS
 from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram

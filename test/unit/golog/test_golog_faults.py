@@ -4,9 +4,9 @@ import subprocess
 import sys
 
 import pytest
-from golog_programs import ENCODINGS
 from hypothesis import given
 from hypothesis import strategies as st
+from shipped import ENCODINGS
 
 from rosoclingo.golog import translate
 from rosoclingo.golog.golog_command import main

@@ -2,7 +2,7 @@
 
 import pytest
 from core_driver import Driver
-from golog_programs import ENCODINGS
+from shipped import ENCODINGS
 
 from rosoclingo.golog.golog_command import main
 from rosoclingo.oclingo import ProgramError, ReactiveProgram

@@ -3,11 +3,10 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from shipped import ENCODINGS
 
-ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
 COMMANDS = [
     ("rosoclingo.golog.golog_command", "golog/elevator.golog"),
     ("rosoclingo.oclingo.gringo3.translate_command", "paper.lp"),

@@ -1,9 +1,8 @@
 """Every event in every state of a goal has the effect in the tables of doc/statuses.md, which the test reads."""
 
-from pathlib import Path
-
 import clingo
 import pytest
+from shipped import ROOT
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.action_extractor import TaskPlan
@@ -14,7 +13,7 @@ from rosoclingo.reasoning.goals import TERMINAL, GoalEvent, GoalState, Outcome
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.settings import CoreSettings
 
-PAGE = (Path(__file__).resolve().parents[3] / "doc" / "statuses.md").read_text()
+PAGE = (ROOT / "doc" / "statuses.md").read_text()
 PROGRAM = ReactiveProgram.from_text("#external _request/2.\n#program cumulative(t).\nasked(G,t) :- _request(G,t).\n")
 STATES = ("pending", "recalling", "active", "preempting", "ended")
 

@@ -1,19 +1,19 @@
 """The table of the core's attempts in each situation: every row is reached."""
 
 from itertools import groupby
-from pathlib import Path
 
 import pytest
 from core_driver import DeferringSolver, Driver, FaultyDriver, Leaving
 from core_programs import DARK, DOOMED, IMPOSSIBLE, fetch
 from core_scripts import play
+from shipped import ROOT
 
 from rosoclingo.oclingo import DroppedError, SolverError
 from rosoclingo.reasoning.core import Core
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.situations import Situation
 
-DOCUMENT = Path(__file__).resolve().parents[3] / "doc" / "statuses.md"
+DOCUMENT = ROOT / "doc" / "statuses.md"
 
 
 def busy(fault=None, *words):

@@ -3,11 +3,10 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from shipped import ROOT
 
-ROOT = Path(__file__).resolve().parents[4]
 MARK = "% dialect: clingo 5\n"
 SCRIPT = ROOT / "scripts" / "gringo3to5"
 

@@ -5,15 +5,14 @@ import re
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from plain_walk import program_text
 from service_helpers import Client
+from shipped import ROOT
 
 from rosoclingo.checking.oclingo_command import main
 
-ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = ROOT / "scripts" / "oclingo"
 PAGE = ROOT / "doc" / "oclingo_service.md"
 

@@ -1,11 +1,10 @@
 """Workarounds for known bugs of clasp."""
 
-from pathlib import Path
-
 import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import DATA
 from solver_reference import Parts
 from test_solver_properties import compare
 
@@ -13,7 +12,7 @@ from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_term, pars
 from rosoclingo.oclingo.progression.updates import Assert, Forget, Literal, Retract, Statement, StreamUpdate, Volatile
 
 #: Part of a grounding of the mailbot's program (aspif) that clasp's equivalence preprocessing makes unsatisfiable.
-EQUIVALENCES = Path(__file__).parents[3] / "data" / "equivalences.aspif"
+EQUIVALENCES = DATA / "equivalences.aspif"
 
 
 def add_rules(backend, lines):

@@ -1,17 +1,15 @@
 """Unreachable atoms, checked by brute force in small worlds, whose states are all reached in few steps."""
 
-from pathlib import Path
-
 import clingo
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 from stream_logs import stream_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
 
-PAPER = Path(__file__).resolve().parents[4] / "encodings" / "paper.lp"
 STEPS = 2
 THINGS = "abcd"
 ALL = 2 ** len(THINGS) + 2  # enough steps to reach every reachable state
@@ -101,7 +99,7 @@ def test_reach_agrees_with_brute_force_in_small_worlds(world):
     ],
 )
 def test_reach_knows_that_the_paper_lacks_an_office(goal, atom, last):
-    found = explained(ReactiveProgram.from_files([PAPER]), f"_request({goal},2).")
+    found = explained(shipped("paper.lp"), f"_request({goal},2).")
     assert found.never
     assert [(one.atom, one.misses[-1].lacks) for one in found.lacking] == [(atom, last)]
 

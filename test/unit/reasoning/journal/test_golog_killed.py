@@ -1,10 +1,10 @@
 """Kill the core during control programs: they continue where they were, and no action runs twice."""
 
 import pytest
-from golog_programs import ENCODINGS
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from killed_core import KILLS, World, played
+from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
