@@ -1,10 +1,14 @@
 """Cores without ROS for benches: their solver runs in worker processes, as in the node, and a bench plays the robot."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
+from typing import Callable, Dict, Iterable, Optional, Tuple
 
-from planning_domains import check
+from figures import Option
+from planning_domains import Task, check
 
+from rosoclingo.nodes.core.loading import CoreParameters
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 from rosoclingo.reasoning.core import Core
@@ -17,6 +21,13 @@ ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
 MOST_IDLE = 600
 """Limit of seconds without an action: the core defers updates that its solver could not accept."""
+
+OPTIONS = {
+    "seed": Option(1, "seed of the tasks"),
+    "action_time": Option(0.5, "seconds to improve the plan during an action; real actions take longer", 0.05),
+    "limit": Option(60.0, "time limit of a plan for all goals", 10.0),
+}
+"""Options of the benches that execute tasks."""
 
 
 class PooledCore:
@@ -200,3 +211,40 @@ class Robot(PooledCore):
         if isinstance(event, ActionsDispatched) and self._returned is not None:
             self.still, self._returned = max(self.still, time.perf_counter() - self._returned), None
         self.check_success()
+
+
+def first_plan(task: Task, timeout: float = 0.0, limit: float = 0.0) -> Optional[Tuple[float, int, int]]:
+    """Return the processor time (s) until the first plan, its steps, and the number of queued goals.
+
+    Without a ``timeout`` of searches, the plan is for all goals; None if a search takes longer than ``limit``.
+    """
+    with suppress(TooLongError), Robot(task, search_timeout=timeout, limit=limit) as robot:
+        begin = robot.process.cpu_time
+        robot.ask()
+        steps = robot.plan()
+        return robot.process.cpu_time - begin, steps, robot.waiting
+    return None
+
+
+def execute(
+    task: Task,
+    action_time: float,
+    limit: float = 0.0,
+    due: Callable[[Robot], Optional[Iterable[int]]] = lambda robot: None,
+) -> Dict[str, float]:
+    """Execute all goals; return the number of steps and the costs, nothing if a search takes longer than ``limit``.
+
+    ``due`` returns the numbers of the goals that arrive before the next action; without it, all arrive at once.
+    """
+    with suppress(TooLongError), Robot(task, CoreParameters.plan_time, CoreSettings.search_timeout, limit) as robot:
+        begin, start, out = robot.used, robot.process.cpu_time, 0.0
+        robot.ask(due(robot))
+        while robot.busy:
+            robot.plan_until_action()
+            out = out or robot.process.cpu_time - start
+            robot.act(action_time)
+            robot.ask(due(robot) or ())
+        costs = {"longest [s]": robot.longest, "still [s]": robot.still, "out [s]": out}
+        spent = robot.used - begin - robot.improving
+        return {"executed": robot.executed, **costs, "ms": 1000 * spent / robot.executed}
+    return {}

@@ -4,7 +4,7 @@
 All goals of a task (bench/planning_domains) are known at the start. A world with rules of its own checks the plans.
 Seconds are processor time.
 
-Columns of the table:
+Figures of a row:
   first       a plan for all goals without time to shorten it: seconds and steps
   out         the plan that the core executes with the default of ~plan_time: seconds and steps
   improved    steps of that plan after further --seconds of improvement
@@ -16,7 +16,8 @@ Columns of the table:
   first/lama  ratio of seconds, first to lama-first
   steps/best  ratio of steps, executed to best
 
-A cell is - if there is no plan within --limit seconds, if Fast Downward is not installed, or if PDDL lacks the task.
+A figure is left out if there is no plan within --limit seconds, if Fast Downward is not installed, or if PDDL lacks the
+task.
 
 Run it in the built workspace: ./dev exec python3 bench/domains.py
 ./dev bench domains installs Fast Downward.
@@ -25,20 +26,18 @@ Run it in the built workspace: ./dev exec python3 bench/domains.py
 import time
 from contextlib import suppress
 
-import comparison
 import incmode
 import peers
-from acting_core import Robot, TooLongError
-from figures import Option, main
+from acting_core import OPTIONS, Robot, TooLongError, execute, first_plan
+from figures import Option, main, row_figures
 from planning_domains import DOMAINS, check
 
 from rosoclingo.nodes.core.loading import CoreParameters
-from rosoclingo.reasoning.settings import CoreSettings
 
 SIZES = ["small", "middle", "large"]
-COLUMNS = {"first [s]": "s of processor", "first": "steps", "out [s]": "s of processor", "out": "steps"}
-COLUMNS.update(dict.fromkeys(("improved", "executed"), "steps"), **dict.fromkeys(("incmode [s]", "incmode")))
-COLUMNS.update(dict.fromkeys(("lama-first [s]", "lama-first", "lama", "best", "first/lama", "steps/best")))
+COLUMNS = ("first [s]", "first", "out [s]", "out", "improved", "executed", "incmode [s]", "incmode")
+COLUMNS += ("lama-first [s]", "lama-first", "lama", "best", "first/lama", "steps/best")
+UNITS = {one: "s of processor" if "[s]" in one else "" if "/" in one else "steps" for one in COLUMNS}
 
 
 def improved_plans(task, limit, seconds):
@@ -74,12 +73,11 @@ def fast_downward(task, limit, seconds):
 
 
 def measure_row(domain, size, options):
-    """Return the cells of a row: column -> figure."""
+    """Return the figures of a row."""
     task, cells = DOMAINS[domain].make(*DOMAINS[domain].sizes[size], seed=options.seed), {}
-    cells["first [s]"], cells["first"], _ = comparison.first_plan(task, limit=options.limit) or (None, None, None)
+    cells["first [s]"], cells["first"], _ = first_plan(task, limit=options.limit) or (None, None, None)
     cells.update(improved_plans(task, options.limit, options.seconds))
-    run = comparison.execute(task, options.action_time, CoreSettings.search_timeout, options.limit)
-    cells["executed"] = run.get("executed")
+    cells["executed"] = execute(task, options.action_time, options.limit).get("executed")
     cells.update(incremental_mode(task, options.limit))
     if task.robots == 1 and peers.folder_of(peers.FAST_DOWNWARD):
         cells.update(fast_downward(task, options.limit, options.lama_seconds))
@@ -91,21 +89,19 @@ def measure_row(domain, size, options):
 
 
 def measure(options):
-    """Print the table row by row; yield its figures."""
-    table = comparison.Table("domain, size", COLUMNS)
+    """Yield the figures of all rows."""
     for domain in options.domains:
         for size in options.sizes:
-            yield from table.row(f"{domain}, {size}", measure_row(domain, size, options))
+            yield from row_figures(f"{domain}, {size}", measure_row(domain, size, options), UNITS)
 
 
 if __name__ == "__main__":
     main(
         __doc__,
         measure,
-        shown=False,
         domains=Option([*DOMAINS], "domains to measure", ["blocks", "elevator", "keys", "crates"], [*DOMAINS]),
         sizes=Option(SIZES, "sizes of tasks", ["small"], SIZES),
         seconds=Option(5.0, "seconds to improve the first plan", 0.5),
         lama_seconds=Option(10.0, "time limit of seq-sat-lama-2011", 1.0),
-        **comparison.OPTIONS,
+        **OPTIONS,
     )

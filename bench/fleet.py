@@ -8,9 +8,8 @@ rule: robots hold both ends of the connection that they drive on. Each place has
 The routing solver of OR-Tools gets the same requests, the mean durations, and 5 s. It minimizes the makespan and
 ignores collisions.
 
-Columns of the table:
-  floor     number of offices in a row, or loops; then the numbers of robots and of requests
-  how       once: all requests are known at the start; stream: one more every 15 s
+A row is a floor (number of offices in a row, or loops), the numbers of robots and of requests, and "once" (all
+requests are known at the start) or "stream" (one more every 15 s). Figures of a row:
   first     seconds of processor time until the first action
   makespan  simulated seconds until the last delivery, and the same without _running, in the paper's cycle (paper)
   drive     seconds of driving, of all robots
@@ -24,11 +23,10 @@ Run it in the built workspace: ./dev exec python3 bench/fleet.py
 
 import heapq
 
-import comparison
 import peers
 from acting_core import ENCODINGS, PooledCore
 from deliveries import floor_named, random_requests
-from figures import Option, main
+from figures import Option, main, row_figures
 from fleet_world import DRIVE, HANDLE, FleetWorld
 
 from rosoclingo.oclingo import ReactiveProgram
@@ -40,6 +38,16 @@ GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
 SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
+
+UNITS = {
+    "first [s]": "s of processor",
+    "makespan": "s",
+    "paper": "s",
+    "drive": "s",
+    "or": "s",
+    "ours/or": "",
+    "idle": "s",
+}
 
 RUNNING = "#external _running/3.\n"
 """The declaration in encodings/fleet/rules.lp that gives a program the finer cycle."""
@@ -149,7 +157,7 @@ def routed(floor, robots, requests):
 
 
 def drive(floor, robots, requests, gap, options, paper=False):
-    """Serve the requests; return the cells of the run."""
+    """Serve the requests; return figures of the run."""
     world = FleetWorld(floor, starts(floor, robots), options.room, options.seed)
     batches = [(gap * number, [one]) for number, one in enumerate(requests)] if gap else [(0.0, requests)]
     with FleetCore(fleet_program(floor, robots, options.room, paper), world) as core:
@@ -159,7 +167,7 @@ def drive(floor, robots, requests, gap, options, paper=False):
 
 
 def measure_row(name, robots, count, how, options):
-    """Return the cells of a row: column -> figure."""
+    """Return the figures of a row."""
     floor = floor_named(name)
     requests = random_requests(floor, count, options.seed)
     gap = GAP if how == "stream" else 0.0
@@ -172,22 +180,19 @@ def measure_row(name, robots, count, how, options):
 
 
 def measure(options):
-    """Print the table row by row; yield its figures."""
-    units = {**dict.fromkeys(("makespan", "paper", "drive"), "s"), "or": None, "ours/or": "", "idle": "s"}
-    table = comparison.Table("floor/robots/requests", {"first [s]": "s of processor", **units})
+    """Yield the figures of all rows."""
     for name in options.floors:
         for robots in options.robots:
             for count in options.requests:
                 for how in options.how:
                     cells = measure_row(name, robots, count, how, options)
-                    yield from table.row(f"{name}/{robots}/{count} {how}", cells)
+                    yield from row_figures(f"{name}/{robots}/{count} {how}", cells, UNITS)
 
 
 if __name__ == "__main__":
     main(
         __doc__,
         measure,
-        shown=False,
         floors=Option(["20", "loops"], "floors", ["loops"]),
         robots=Option([1, 2, 4, 8], "numbers of robots", [2, 4]),
         requests=Option([20, 50], "numbers of requests", [20]),

@@ -9,7 +9,7 @@ other load of the machine.
 A row is a floor (a number of offices in a row, or "loops": twenty offices with two loops), a number of requests, and
 "once" (all requests are known at the start) or "stream" (one more every four actions, earlier if none is open).
 
-Columns of the table:
+Figures of a row:
   first [s]   the first plan without time to shorten it: seconds, its steps (first), and the number of requests that are
               queued and not served by it (wait)
   all [s]     a plan for all requests, without a limit for the search: seconds and steps (all); - after --limit
@@ -28,21 +28,20 @@ Run it in the built workspace: ./dev exec python3 bench/many_goals.py
 
 from collections import deque
 
-import comparison
 import peers
+from acting_core import OPTIONS, execute, first_plan
 from deliveries import actions_of_route, floor_named, office_of, random_requests, task_of
-from figures import Option, main
+from figures import Option, main, row_figures
 from planning_domains import check
 
 from rosoclingo.reasoning.settings import CoreSettings
 
 GAP = 4  # actions between two requests of a stream
 OR_SECONDS, OR_STREAM_SECONDS = 5.0, 1.0
-TIMEOUT = CoreSettings.search_timeout
 
-COLUMNS = {"first [s]": "s of processor", "first": "steps", "wait": "requests", "all [s]": "s of processor"}
-COLUMNS.update(all="steps", executed="steps", **{"or": None, "ours/or": "", "out [s]": "s of processor"})
-COLUMNS.update({"longest [s]": "s of processor", "still [s]": "s", "ms": "ms of processor"})
+UNITS = {"first [s]": "s of processor", "first": "steps", "wait": "requests", "all [s]": "s of processor"}
+UNITS.update({"all": "steps", "executed": "steps", "or": "steps", "ours/or": "", "out [s]": "s of processor"})
+UNITS.update({"longest [s]": "s of processor", "still [s]": "s", "ms": "ms of processor"})
 
 
 class Arrivals:
@@ -90,16 +89,16 @@ def routes_executed(floor, requests, task):
 
 
 def measure_row(name, count, how, options):
-    """Return the cells of a row: column -> figure."""
+    """Return the figures of a row."""
     floor = floor_named(name)
     requests = random_requests(floor, count, options.seed)
     task, cells = task_of(floor, requests), {}
     if how == "once":
-        cells.update(zip(("first [s]", "first", "wait"), comparison.first_plan(task, TIMEOUT)))
-        cells.update(zip(("all [s]", "all"), comparison.first_plan(task, limit=options.limit) or ()))
+        cells.update(zip(("first [s]", "first", "wait"), first_plan(task, CoreSettings.search_timeout)))
+        cells.update(zip(("all [s]", "all"), first_plan(task, limit=options.limit) or ()))
     arrivals = Arrivals(range(1, count + 1), GAP if how == "stream" else 0)
     due = lambda robot: arrivals.due(robot.executed, robot.busy)  # noqa: E731
-    cells.update(comparison.execute(task, options.action_time, TIMEOUT, due=due))
+    cells.update(execute(task, options.action_time, due=due))
     if peers.folder_of(peers.OR_TOOLS):
         cells["or"] = (routes_planned if how == "once" else routes_executed)(floor, requests, task)
         cells["ours/or"] = cells["executed"] / cells["or"]
@@ -107,21 +106,19 @@ def measure_row(name, count, how, options):
 
 
 def measure(options):
-    """Print the table row by row; yield its figures."""
-    table = comparison.Table("floor/requests how", COLUMNS)
+    """Yield the figures of all rows."""
     for floor in options.floors:
         for count in options.requests:
             for how in options.how:
-                yield from table.row(f"{floor}/{count} {how}", measure_row(floor, count, how, options))
+                yield from row_figures(f"{floor}/{count} {how}", measure_row(floor, count, how, options), UNITS)
 
 
 if __name__ == "__main__":
     main(
         __doc__,
         measure,
-        shown=False,
         floors=Option(["4", "20", "50", "loops"], "floors", ["4", "20", "loops"]),
         requests=Option([3, 10, 20, 50, 100], "numbers of requests", [20]),
         how=Option(["once", "stream"], "arrival of requests", ["once"], ["once", "stream"]),
-        **comparison.OPTIONS,
+        **OPTIONS,
     )

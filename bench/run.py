@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """Runs the short forms of the benches one after the other and prints one table of their figures: ./dev bench.
 
-With --against, the benches measure this checkout and another commit in turns, in at least three rounds. The other
+With --against, the benches measure this checkout and another commit in turns, by default in three rounds. The other
 commit is built once, in a folder outside the source tree. The benches of this checkout measure both. If one does not
-run with the other commit, that commit's own bench of this name measures it; if neither runs, it is reported as not
-available. The ratio compares the best runs of figures with equal names. "better" and "worse" mark
-a difference of more than a tenth. A "?" means that the runs of both sides overlap; repeat the bench with more rounds or
-on a quieter machine.
+run with the other commit, that commit's own bench of this name measures it. The ratio compares the best runs of
+figures with equal names. "better" and "worse" mark a difference of more than a tenth. A "?" means that the runs of
+both sides overlap; repeat the bench with more rounds or on a quieter machine.
 
 Exit codes: 0 for success, 1 if a bench failed or the other commit cannot be built, 2 for a wrong command line.
 """
@@ -14,13 +13,14 @@ Exit codes: 0 for success, 1 if a bench failed or the other commit cannot be bui
 import argparse
 import os
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-import figures
+from figures import Figure, number, print_load, read
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.append(str(ROOT / "test"))
@@ -33,122 +33,155 @@ BENCHES = sorted(
     if path != Path(__file__).resolve() and path.read_text().startswith("#!")  # the other files are modules
 )
 LIMIT = 900.0  # s, time limit of a bench
-FEWEST = 3  # least number of rounds if two versions are compared
-SHOWN = 15  # number of lines shown of the output of a failed bench
+TENTH = 0.1  # larger differences of a ratio from 1 are marked
 
 
 class BenchError(Exception):
     """A bench has failed; the message contains the cause."""
 
 
+class Row(NamedTuple):
+    """The values of one figure in all runs of this checkout and of the other commit; empty if it was not measured."""
+
+    bench: str
+    name: str
+    unit: str
+    better: str
+    here: Tuple[float, ...]
+    there: Tuple[float, ...]
+
+    def best(self, values: Sequence[float]) -> float:
+        """Return the best of some values: other load on the machine can only make a run worse."""
+        return min(values) if self.better == "lower" else max(values)
+
+    @property
+    def ratio(self) -> Optional[float]:
+        """The ratio of the best values, this checkout to the other commit; None if either has no value."""
+        if not (self.here and self.there):
+            return None
+        here, there = self.best(self.here), self.best(self.there)
+        if there == 0.0:
+            return 1.0 if here == 0.0 else float("inf")
+        return here / there
+
+    @property
+    def mark(self) -> str:
+        """The mark "better" or "worse" for a difference of more than a tenth, else empty; with "?" if runs overlap."""
+        if self.ratio is None or abs(self.ratio - 1.0) <= TENTH:
+            return ""
+        apart = max(self.here) < min(self.there) or min(self.here) > max(self.there)
+        word = "better" if (self.ratio < 1.0) == (self.better == "lower") else "worse"
+        return word if apart else word + "?"
+
+
+def rows(bench: str, here: Sequence[Figure], there: Sequence[Figure]) -> List[Row]:
+    """Group the figures of all runs of a bench by name, in the order of first occurrence."""
+    first = {}
+    for figure in (*here, *there):
+        first.setdefault(figure.name, figure)
+    sides = {name: [tuple(one.value for one in side if one.name == name) for side in (here, there)] for name in first}
+    return [Row(bench, name, one.unit, one.better, *sides[name]) for name, one in first.items()]
+
+
+def table(found: Sequence[Row], other: Optional[str] = None) -> str:
+    """Return the table of figures: best and median of each side, and the ratio if there are two sides."""
+    lines = [["bench", "figure", "unit", "best", "median"]]
+    if other is not None:
+        lines[0] += [f"{other}: best", "median", "ratio", ""]
+    for row in found:
+        cells = [row.bench, row.name, row.unit, *_cells(row, row.here)]
+        if other is not None:
+            cells += [*_cells(row, row.there), "-" if row.ratio is None else f"{row.ratio:.2f}", row.mark]
+        lines.append(cells)
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    ways = [str.ljust] * 3 + [str.rjust] * 5 + [str.ljust]
+    aligned = ([way(*one) for way, *one in zip(ways, line, widths)] for line in lines)
+    return "\n".join("  ".join(cells).rstrip() for cells in aligned)
+
+
+def _cells(row: Row, values: Sequence[float]) -> List[str]:
+    return [number(row.best(values)), number(statistics.median(values))] if values else ["-", "-"]
+
+
 class Checkout(NamedTuple):
-    """This checkout, or the tree of another commit: the folders of the benches and of logs, and the command's start."""
+    """The benches in a folder of this checkout or of another commit; ``start`` is the start of the command."""
 
     name: str
     folder: Path
     start: Sequence[str]
-    logs: Path
 
-    def measure(self, bench: str) -> List[figures.Figure]:
+    def measure(self, bench: str) -> List[Figure]:
         """Run the short form of a bench; raises BenchError."""
-        handle, name = tempfile.mkstemp(prefix=f"{bench}-{self.name}-", suffix=".log", dir=str(self.logs))
-        os.close(handle)
-        log = Path(name)
-        result = log.with_suffix(".json")
-        command = [*self.start, str(self.folder / f"{bench}.py"), "--short", "--json", str(result)]
-        code = run(command, log, LIMIT, os.environ).code
-        if code is None:
-            raise BenchError(f"it did not end within {LIMIT:.0f} s; output: {log}")
-        if code != 0:
-            last = log.read_text(errors="replace").rstrip().splitlines()[-SHOWN:]
-            raise BenchError("\n    ".join([f"exit code {code}; complete output: {log}", *last]))
-        try:
-            return figures.read(result)
-        except (OSError, TypeError, ValueError) as error:
-            raise BenchError(f"it wrote no figures: {error}") from error
-
-
-def git(*arguments: str) -> bytes:
-    """Return the output of a git command for this checkout; raises subprocess.CalledProcessError."""
-    return subprocess.run(["git", "-C", str(ROOT), *arguments], check=True, capture_output=True).stdout
+        report(f"{bench}: {self.name}")
+        with tempfile.TemporaryDirectory() as folder:
+            log, result = Path(folder, "log"), Path(folder, "figures")
+            command = [*self.start, str(self.folder / f"{bench}.py"), "--short", "--json", str(result)]
+            code = run(command, log, LIMIT, os.environ).code
+            if code != 0:
+                end = f"it did not end within {LIMIT:.0f} s" if code is None else f"exit code {code}"
+                raise BenchError(f"{end}; its output:\n{log.read_text(errors='replace')}")
+            try:
+                return read(result)
+            except (OSError, TypeError, ValueError) as error:
+                raise BenchError(f"it wrote no figures: {error}") from error
 
 
 def commit_named(text: str) -> str:
     """Return the hash of a commit, as a type for argparse."""
-    try:
-        return git("rev-parse", "--verify", "--quiet", text + "^{commit}").decode().strip()
-    except FileNotFoundError:
-        raise argparse.ArgumentTypeError("git is not installed; it is needed for the other commit") from None
-    except subprocess.CalledProcessError as error:
-        why = error.stderr.decode().strip() or f"git knows no such commit: {text}"
-        raise argparse.ArgumentTypeError(why) from None
+    command = ["git", "-C", str(ROOT), "rev-parse", "--verify", text + "^{commit}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise argparse.ArgumentTypeError(f"git knows no such commit: {text} ({done.stderr.strip()})")
+    return done.stdout.strip()
 
 
-def other_checkout(commit: str, base: Path, logs: Path) -> Checkout:
-    """Build another commit by its own ``./dev`` unless it is built already; raises BenchError."""
+def other_checkouts(commit: str, base: Path) -> List[Checkout]:
+    """Build another commit by its own ``./dev``; return this checkout's benches and its own; raises BenchError."""
     tree = base / commit[:12]
-    if not tree.exists():
-        base.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=str(base)) as draft:
-            archive = git("archive", commit, f"--prefix={tree.name}/")
-            subprocess.run(["tar", "-x", "-C", draft], check=True, input=archive)
-            (Path(draft) / tree.name).rename(tree)
     lent = tree / "bench-here"  # next to its own folder, so that "../src" belongs to that commit
-    shutil.rmtree(str(lent), ignore_errors=True)
-    shutil.copytree(str(ROOT / "bench"), str(lent))
     os.environ["ROSOCLINGO_HOME"] = str(base)
     start = [str(tree / "dev"), "exec"]
     try:
+        if not tree.exists():
+            subprocess.run(["git", "clone", "--quiet", "--shared", "--no-checkout", str(ROOT), str(tree)], check=True)
+        subprocess.run(["git", "-C", str(tree), "checkout", "--quiet", "--detach", commit], check=True)
+        shutil.rmtree(str(lent), ignore_errors=True)
+        shutil.copytree(str(ROOT / "bench"), str(lent))
         subprocess.run([*start, "true"], check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         raise BenchError(f"commit {commit[:12]} cannot be built: {error}") from error
-    return Checkout(commit[:8], lent, [*start, "python3"], logs)
+    name, start = commit[:8], [*start, "python3"]
+    return [Checkout(name, lent, start), Checkout(f"{name}, its own bench", tree / "bench", start)]
 
 
-def compare(bench: str, here: Checkout, there: Optional[Checkout], rounds: int) -> List[figures.Row]:
-    """Run a bench for one checkout, or for two in turns, so that other load on the machine affects both equally.
+def compare(bench: str, here: Checkout, there: Sequence[Checkout], rounds: int) -> List[Row]:
+    """Run a bench in turns with the other commit, so that other load on the machine affects both equally.
 
-    Raises BenchError if it fails in this checkout, or after it has run in the other one.
+    A checkout of ``there`` in which it fails is replaced by the next one. Raises BenchError if it fails ``here``.
     """
-    ours: List[Sequence[figures.Figure]] = []
-    theirs: List[Sequence[figures.Figure]] = []
+    ours: List[Figure] = []
+    theirs: List[Figure] = []
     for _ in range(rounds):
-        report(f"{bench}: {here.name}")
-        ours.append(here.measure(bench))
-        if there is None:
-            continue
-        report(f"{bench}: {there.name}")
-        if theirs:
-            theirs.append(there.measure(bench))
-        else:
-            there, found = measure_first(bench, there)
-            theirs += found
-    return figures.rows(bench, ours, theirs)
-
-
-def measure_first(bench: str, there: Checkout) -> Tuple[Optional[Checkout], List[Sequence[figures.Figure]]]:
-    """Run a bench with another commit, or the commit's own bench of this name; return what runs, and its figures."""
-    failures = []
-    for folder in (there.folder, there.folder.with_name("bench")):
-        if (folder / f"{bench}.py").exists():
+        ours += here.measure(bench)
+        for other in there:
             try:
-                chosen = there._replace(folder=folder)
-                return chosen, [chosen.measure(bench)]
+                theirs += other.measure(bench)
+                break
             except BenchError as failed:
-                failures.append(f"{folder.name}/{bench}.py: {failed}")
-    report("\n".join([f"{bench}: not available in {there.name}:", *failures]))
-    return None, []
+                report(f"{bench}: not available in {other.name}: {failed}")
+                theirs, there = [], there[1:]
+    return rows(bench, ours, theirs)
 
 
 def report(text: str) -> None:
     print(f"bench: {text}", file=sys.stderr, flush=True)
 
 
-def measure_all(options, logs: Path) -> int:
+def measure_all(options) -> int:
     """Run the chosen benches and print the table; return the exit code."""
-    here, there = Checkout("here", ROOT / "bench", [sys.executable], logs), None
+    here, there = Checkout("here", ROOT / "bench", [sys.executable]), []
     if options.against:
-        there = other_checkout(options.against, options.work / "against", logs)
+        there = other_checkouts(options.against, options.work / "against")
     found, failures = [], 0
     for bench in options.names:
         try:
@@ -156,8 +189,8 @@ def measure_all(options, logs: Path) -> int:
         except BenchError as failed:
             failures += 1
             report(f"error: {bench} failed: {failed}")
-    print(figures.table(found, there and there.name))
-    print("load of the machine (1, 5, 15 min):", *(f"{load:.1f}" for load in os.getloadavg()))
+    print(table(found, there[0].name if there else None))
+    print_load()
     if failures:
         report(f"error: {failures} of {len(options.names)} failed")
     return min(failures, 1)
@@ -172,37 +205,29 @@ def command_line():
     parser.add_argument(
         "--against", type=commit_named, metavar="COMMIT", help="another commit to compare with this checkout"
     )
-    parser.add_argument(
-        "--rounds", type=int, help=f"runs of each bench (default: 1; with --against {FEWEST}, which is the least)"
-    )
+    parser.add_argument("--rounds", type=int, help="runs of each bench (default: 1; 3 with --against)")
     parser.add_argument("--work", type=Path, required=True, help=argparse.SUPPRESS)  # the work folder of ./dev
     options = parser.parse_args()
     for name in options.names:
         if name not in BENCHES:
             parser.error(f"no such bench: {name}; the benches are {' '.join(BENCHES)}")
     options.names = options.names or BENCHES
-    fewest = FEWEST if options.against else 1
-    options.rounds = fewest if options.rounds is None else options.rounds
-    if options.rounds < fewest:
-        parser.error(f"--rounds must be at least {fewest}{' with --against' if options.against else ''}")
+    if options.rounds is None:
+        options.rounds = 3 if options.against else 1
+    if options.rounds < 1:
+        parser.error("--rounds must be at least 1")
     return options
 
 
 def main() -> int:
-    options = command_line()
-    (options.work / "bench").mkdir(exist_ok=True)
-    logs = Path(tempfile.mkdtemp(dir=str(options.work / "bench")))
     try:
-        code = measure_all(options, logs)
+        return measure_all(command_line())
     except BenchError as failed:
         report(f"error: {failed}")
         return 1
     except KeyboardInterrupt:
-        report(f"interrupted; the output of the benches is in {logs}")
+        report("interrupted")
         return 130
-    if code == 0:
-        shutil.rmtree(str(logs))  # after a failure, the logs show the cause
-    return code
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""How the benches' figures are written, collected and shown."""
+"""How the benches' figures are written, compared and shown."""
 
 import sys
 
 import pytest
-from figures import Figure, Option, Row, main, read, table
+from figures import Figure, Option, main, read
+from run import Row, table
 
 UPDATE, PACE = Figure("an update", 2.5, "ms"), Figure("pace", 60.0, "s per s", "higher")
 
