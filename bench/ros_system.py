@@ -1,4 +1,4 @@
-"""Helpers for benches that run nodes: a separate master with launch files, a map on disk, a client of move_base."""
+"""The nodes of a bench: a separate master with launch files."""
 
 import os
 import signal
@@ -8,13 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-import actionlib
-import numpy as np
 import rosgraph
-import rospy
-from geometry_msgs.msg import PoseStamped
-from move_base_msgs.msg import MoveBaseAction
-from PIL import Image
 
 PATIENCE = 60.0  # s of wall time for a node to appear
 
@@ -66,29 +60,3 @@ def wait_for(condition, what):
         if time.monotonic() > deadline:
             sys.exit(f"{what} did not appear within {PATIENCE:g} s")
         time.sleep(0.05)
-
-
-def write_map(folder, grid):
-    """Write an OccupancyGrid as a map for map_server; return the YAML file."""
-    grey = np.select([grid.cells == 100, grid.cells < 0], [0, 205], 254).astype(np.uint8)
-    Image.fromarray(grey[::-1]).save(folder / "map.pgm")
-    keys = f"image: map.pgm\nresolution: {grid.resolution}\norigin: [0, 0, 0]\nnegate: 0\n"
-    path = folder / "map.yaml"
-    path.write_text(keys + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
-    return path
-
-
-def pose_stamped(x, y, yaw=0.0):
-    """Return a pose (m, rad) in the map."""
-    stamped = PoseStamped()
-    stamped.header.frame_id = "map"
-    stamped.pose.position.x, stamped.pose.position.y = x, y
-    stamped.pose.orientation.z, stamped.pose.orientation.w = np.sin(0.5 * yaw), np.cos(0.5 * yaw)
-    return stamped
-
-
-def move_base_client():
-    """Return a simple action client for move_base; exit if move_base does not appear."""
-    client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-    wait_for(lambda: client.wait_for_server(rospy.Duration(20.0)), "move_base")
-    return client

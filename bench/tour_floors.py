@@ -1,12 +1,11 @@
-"""Floors for bench/tours.py: maps with doors at any resolution, optionally slanted or rough."""
+"""Floors for bench/tours.py: maps with doors at any resolution, optionally rough."""
 
-import math
 from typing import List, NamedTuple
 
 import numpy as np
 from navigation_worlds import room
 
-from rosoclingo.robot.navigation import OccupancyGrid, Pose2D
+from rosoclingo.robot.navigation import OccupancyGrid
 from rosoclingo.robot.simulation import DoorSpec
 
 
@@ -69,28 +68,6 @@ def gaps(free: np.ndarray, widest: int = 15):
     for first, last in zip(edges[::2], edges[1::2]):
         if last - first <= widest:
             yield int(first), int(last)
-
-
-def turned(floor: Floor, angle: float) -> Floor:
-    """Return the floor rotated (rad) about its centre; cells outside the floor are unknown."""
-    grid = floor.grid
-    height, width = (size * grid.resolution for size in grid.shape)
-    c, s = math.cos(angle), math.sin(angle)
-    size = [abs(c) * height + abs(s) * width, abs(s) * height + abs(c) * width]
-    rows, columns = np.indices([math.ceil(part / grid.resolution) for part in size])
-    x, y = (columns + 0.5) * grid.resolution - size[1] / 2, (rows + 0.5) * grid.resolution - size[0] / 2
-    column = np.floor((c * x + s * y + width / 2) / grid.resolution).astype(int)
-    row = np.floor((c * y - s * x + height / 2) / grid.resolution).astype(int)
-    inside = (row >= 0) & (row < grid.shape[0]) & (column >= 0) & (column < grid.shape[1])
-    cells = np.full(rows.shape, -1, dtype=np.int8)
-    cells[inside] = grid.cells[row[inside], column[inside]]
-    middle = Pose2D(size[1] / 2, size[0] / 2, angle)
-
-    def place(point):
-        return middle.compose(Pose2D(point[0] - width / 2, point[1] - height / 2))[:2]
-
-    doors = [door._replace(start=place(door.start), end=place(door.end)) for door in floor.doors]
-    return Floor(OccupancyGrid(cells, grid.resolution), doors)
 
 
 def rough(floor: Floor, random) -> Floor:

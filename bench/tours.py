@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Drives tours of random goals on random maps, without ROS: goals reached, collisions, and the time until an abort.
 
-The maps are an office floor (54 x 58.7 m, 0.1 m a cell) and small floors of rooms with narrow doors and clutter (10 x
+The maps are office floors (54 x 58.7 m, 0.1 m a cell) and small floors of rooms with narrow doors and clutter (10 x
 10 m, 0.05 m a cell). There are also obstacles and robots that the map lacks. During some drives (--events in ten) a
 door closes, or an obstacle appears in front of the robot, permanently or for a while. Unless --plain is given, other
-properties vary too: the body of the robot, the resolution, slant and roughness of the map, the control rate and the
-delay of commands.
+properties vary too: the body of the robot, the noise of its laser, the resolution and roughness of the map.
 
 How a goal must end depends on the obstacles at the end of the drive:
   reached     if a path leads to it for the robot's circumscribed circle and obstacles that are 8 cm larger
@@ -14,24 +13,24 @@ How a goal must end depends on the obstacles at the end of the drive:
 A goal that must be reached and is aborted counts as MISSED.
 
 Run it in the built workspace: ./dev exec python3 bench/tours.py
+With the nodes, or with Stage and move_base: bench/ros_tours.py
 """
 
 import math
-import statistics
 import sys
 import time
 from pathlib import Path
-from typing import Iterator, List, NamedTuple, Tuple
+from typing import Callable, Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
-from figures import Figure, Option, main, quantiles
+from figures import Figure, Option, main
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
 # ruff: noqa: E402
 
 from navigation_worlds import ERRATIC, LONG, Drive
-from tour_floors import Floor, office_floor, rough, small_floor, turned
+from tour_floors import Floor, office_floor, rough, small_floor
 
 from rosoclingo.robot.navigation import (
     Costmap,
@@ -53,14 +52,11 @@ BODIES = {"disc": (), "erratic": ERRATIC, "long": LONG}
 
 
 class Variant(NamedTuple):
-    """The parameters that vary from tour to tour; ``control`` and ``late`` are in steps of 0.05 s."""
+    """The parameters that vary from tour to tour; without a resolution (m), the map has its own."""
 
     resolution: float = 0.0
     footprint: Tuple[Tuple[float, float], ...] = ()
-    control: int = 2
-    late: int = 0
     noise: float = 0.01
-    slant: float = 0.0
     rough: bool = False
 
     @property
@@ -73,8 +69,6 @@ class Variant(NamedTuple):
             floor = small_floor(random, self.resolution or 0.05)
         else:
             floor = office_floor(seed, self.resolution or 0.1)
-        if self.slant:
-            floor = turned(floor, self.slant)
         return rough(floor, random) if self.rough else floor
 
 
@@ -82,55 +76,9 @@ def varied(kind: str, random) -> Variant:
     return Variant(
         resolution=float(random.choice((0.05, 0.1, 0.025) if kind == "small" else (0.1, 0.05))),
         footprint=((), (), ERRATIC, LONG)[random.integers(4)],
-        control=int(random.choice((1, 2, 4))),
-        late=int(random.integers(3)),
         noise=float(random.choice((0.0, 0.01, 0.03))),
-        slant=float(random.choice((0.0, random.uniform(-0.8, 0.8)))),
         rough=bool(random.integers(2)),
     )
-
-
-class Event:
-    """An event during a drive: a door closes, or an obstacle appears in front of the robot."""
-
-    def __init__(self, tour: "Tour", points: np.ndarray) -> None:
-        self.tour, self.points, self.random = tour, points, tour.random
-        self.since, self.undo, self.changed = tour.drive.world.time, None, -math.inf
-        self.again = self.random.uniform(5.0, 60.0) if self.random.random() < 0.4 else math.inf
-        self.distance = self.random.uniform(0.8, 6.0)
-        doors = [door for door in tour.drive.world.doors.values() if door.open and crosses(points, door)]
-        self.door = doors[self.random.integers(len(doors))].name if doors and self.random.random() < 0.6 else None
-        self.wait = self.random.uniform(2.0, 20.0)
-        self.happened = False
-
-    def __call__(self, drive: Drive) -> None:
-        world = drive.world
-        if self.happened:
-            if self.undo and world.time - self.changed > self.again:
-                self.change(self.undo)
-                self.undo = None
-        elif self.door:
-            away = gap_to(world.doors[self.door], drive.robot.pose) - self.tour.variant.reach
-            if 0.5 < away < self.distance:
-                self.happen(lambda: world.set_door(self.door, False), lambda: world.set_door(self.door, True))
-        elif world.time - self.since > self.wait and drive.robot.v > 0.3:
-            pose, radius = drive.robot.pose, self.random.uniform(0.1, 0.25)
-            ahead = pose.advance(self.tour.variant.reach + radius + self.random.uniform(0.5, 1.2), 0.0, 1.0)
-            thing = ObstacleSpec(f"sudden{world.steps}", ahead[:2], radius=radius)
-            self.happen(lambda: world.put_obstacle(thing), lambda: world.remove_obstacle(thing.name))
-
-    def happen(self, work, undo) -> None:
-        self.happened = True
-        if self.change(work):
-            self.undo = undo
-
-    def change(self, work) -> bool:
-        try:
-            work()
-        except WorldError:  # the robot is in the way
-            return False
-        self.changed = self.tour.drive.world.time
-        return True
 
 
 def gap_to(door, pose: Pose2D) -> float:
@@ -150,7 +98,13 @@ def crosses(points: np.ndarray, door) -> bool:
 
 
 class Tour:
-    """A tour of one robot to several goals on one map."""
+    """A tour of one robot to several goals on one map.
+
+    Attributes:
+        changed: the simulated time (s) of the last change of a door or an obstacle during the present drive.
+        event: this change, as text.
+
+    """
 
     def __init__(self, floor: Floor, variant: Variant, random, things: int, events: float) -> None:
         self.grid, self.random, self.variant, self.events = floor.grid, random, variant, events
@@ -172,10 +126,9 @@ class Tour:
         ]
         spec = WorldSpec(self.grid, (), tuple(floor.doors), tuple(obstacles), interval=0.05)
         robots = [robot for robot in robots if self.stands(spec, robot)]
-        world = Simulation(spec._replace(robots=tuple(robots)))
-        self.drive = Timed(world, control=variant.control, scan=2, late=variant.late)
-        self.standing = [robot.pose for robot in world.robots.values()][1:]
-        self.aborts = []
+        self.world = Simulation(spec._replace(robots=tuple(robots)))
+        self.drive = Drive(self.world, control=2, scan=2)
+        self.standing = [robot.pose for robot in self.world.robots.values()][1:]
 
     @staticmethod
     def stands(spec: WorldSpec, robot: RobotSpec) -> bool:
@@ -185,15 +138,25 @@ class Tour:
             return False
         return True
 
+    @property
+    def time(self) -> float:
+        """The simulated time in seconds."""
+        return self.world.time
+
+    @property
+    def collisions(self) -> int:
+        """The number of collisions so far."""
+        return len(self.drive.collisions)
+
     def somewhere(self) -> Pose2D:
         return Pose2D(*self.grid.centre(*self.free[self.random.integers(len(self.free))]), self.random.uniform(-3, 3))
 
     def with_things(self, more: float) -> OccupancyGrid:
         """Return the map with all present obstacles, enlarged by ``more`` (m)."""
-        world, cells, scale = self.drive.world, self.grid.cells.copy(), self.grid.resolution
-        discs = [(*thing.at, thing.radius) for thing in world.obstacles.values()]
+        cells, scale = self.grid.cells.copy(), self.grid.resolution
+        discs = [(*thing.at, thing.radius) for thing in self.world.obstacles.values()]
         discs += [(pose.x, pose.y, 0.18) for pose in self.standing]
-        for door in world.doors.values():
+        for door in self.world.doors.values():
             if not door.open:
                 points = np.linspace(door.start, door.end, 2 + int(math.dist(door.start, door.end) / scale * 2))
                 discs += [(*point, max(0.0, -more) + 0.75 * scale) for point in points]
@@ -210,24 +173,65 @@ class Tour:
         costmap = Costmap(self.with_things(more), CostmapLimits(robot_radius=radius))
         return GridPlanner().plan(costmap, self.drive.robot.pose, goal)
 
+    def disturb(self, points: np.ndarray) -> Iterator[None]:
+        """Close a door on the path or put an obstacle before the robot, and undo it later in some drives.
+
+        It advances by one step of the simulation at a time.
+        """
+        world, random, robot, since = self.world, self.random, self.drive.robot, self.time
+        duration = random.uniform(5.0, 60.0) if random.random() < 0.4 else math.inf
+        distance = random.uniform(0.8, 6.0)
+        doors = [door for door in world.doors.values() if door.open and crosses(points, door)]
+        door = doors[random.integers(len(doors))].name if doors and random.random() < 0.6 else None
+        wait = random.uniform(2.0, 20.0)
+        if door:
+            while not 0.5 < gap_to(world.doors[door], robot.pose) - self.variant.reach < distance:
+                yield
+            yield from self.change(f"{door} {distance:.1f} m ahead", lambda: world.set_door(door, False))
+            undo = lambda: world.set_door(door, True)  # noqa: E731
+        else:
+            while self.time - since <= wait or robot.v <= 0.3:
+                yield
+            radius = random.uniform(0.1, 0.25)
+            ahead = robot.pose.advance(self.variant.reach + radius + random.uniform(0.5, 1.2), 0.0, 1.0)
+            thing = ObstacleSpec(f"sudden{world.steps}", ahead[:2], radius=radius)
+            yield from self.change("an obstacle ahead", lambda: world.put_obstacle(thing))
+            undo = lambda: world.remove_obstacle(thing.name)  # noqa: E731
+        while self.time - self.changed <= duration:
+            yield
+        yield from self.change(self.event, undo)
+
+    def change(self, event: str, work: Callable[[], None]) -> Iterator[None]:
+        """Change a door or an obstacle; never go on if the robot is in the way."""
+        self.event = event
+        try:
+            work()
+        except WorldError:
+            while True:
+                yield
+        self.changed = self.time
+
+    def drive_to(self, goal: Pose2D, points: np.ndarray) -> Tuple[bool, str]:
+        """Drive to a goal, with an event if there is a path; return whether the goal is reached, and why not."""
+        event = self.disturb(points) if len(points) else iter(())
+        result = self.drive.to(goal, LIMIT, lambda drive: next(event, None))
+        return result.outcome is NavigationOutcome.REACHED, f"{result.outcome.name}: {result.message}"
+
     def go(self) -> str:
         """Drive to a random goal; return how it ended, as text."""
-        goal, since = self.somewhere(), self.drive.world.time
-        here = self.drive.robot.pose
+        goal, since = self.somewhere(), self.time
+        self.changed, self.event = -math.inf, ""
+        here = tuple(self.drive.robot.pose)
         way = self.plan(goal, SPARE, self.variant.reach)
         eventful = way.outcome is PlanOutcome.FOUND and self.random.random() < self.events if self.events else False
-        event = Event(self, way.points) if eventful else None
         try:
-            result = self.drive.to(goal, LIMIT, event or (lambda drive: None))
+            reached, reason = self.drive_to(goal, way.points if eventful else ())
         except AssertionError:
-            return f"NO END within {LIMIT} s: {tuple(here)} -> {tuple(goal)}"
-        took = self.drive.world.time - since
-        if result.outcome is NavigationOutcome.REACHED:
+            return f"NO END within {LIMIT} s: {here} -> {tuple(goal)}"
+        if reached:
             return "reached"
-        self.aborts.append(took)
-        what = "" if event is None or not event.happened else f" ({event.door or 'thing'} {event.distance:.1f} m ahead)"
-        words = f"{result.outcome.name} after {took:.0f} s{what}: {tuple(here)} -> {tuple(goal)}: {result.message}"
-        if event and self.drive.world.time - event.changed < SETTLED:
+        words = f"after {self.time - since:.0f} s, {self.event}: {here} -> {tuple(goal)}: {reason}"
+        if self.time - self.changed < SETTLED:
             return f"either, {words}"
         if self.plan(goal, SPARE, self.variant.reach).outcome is PlanOutcome.FOUND:
             return f"MISSED, {words}"
@@ -236,79 +240,46 @@ class Tour:
         return f"{'either' if possible else 'impossible'}, {words}"
 
 
-class Timed(Drive):
-    """A drive that records the processing time (s) of each tick."""
-
-    def __init__(self, *arguments, **more) -> None:
-        super().__init__(*arguments, **more)
-        self.costs = []
-
-    def tick(self, period):
-        begin = time.perf_counter()
-        tick = super().tick(period)
-        self.costs.append(time.perf_counter() - begin)
-        return tick
-
-
-def far_apart(grid: OccupancyGrid, low: float = 60.0, high: float = 80.0) -> Iterator[List[Pose2D]]:
-    """Yield pairs of poses with a path of ``low`` to ``high`` m between them."""
-    costmap, planner, random = Costmap(grid, CostmapLimits()), GridPlanner(), np.random.default_rng(3)
-    free = np.argwhere(costmap.clearance > 3.0)
-    while True:
-        ends = [Pose2D(*grid.centre(*free[random.integers(len(free))])) for _ in range(2)]
-        if ends[0].distance(ends[1]) > 0.6 * low and low <= planner.plan(costmap, *ends).length <= high:
-            yield ends
+def drive_all(tours: Iterable[Tour], goals: int) -> Iterator[Figure]:
+    """Drive some tours to ``goals`` goals each and print the goals that are not reached; yield the figures."""
+    ends, longest, collisions, simulated, begin = [], 0.0, 0, 0.0, time.monotonic()
+    for place, tour in enumerate(tours):
+        start = tour.time
+        for number in range(goals):
+            since, text = tour.time, tour.go()
+            ends.append(text.split(",")[0].split(" within")[0])
+            if text != "reached":
+                longest = max(longest, tour.time - since)
+                print(f"floor {place}, goal {number}, {tuple(tour.variant)}: {text}", flush=True)
+        collisions, simulated = collisions + tour.collisions, simulated + tour.time - start
+    for end in ("reached", "impossible", "either", "MISSED", "NO END"):
+        yield Figure(end, ends.count(end), "goals", "higher" if end == "reached" else "lower")
+    yield Figure("collisions", collisions, "")
+    yield Figure("longest abort", longest, "simulated s")
+    yield Figure("pace", simulated / (time.monotonic() - begin), "simulated s per s", "higher")
 
 
-def plan_times(grid: OccupancyGrid, count: int) -> List[float]:
-    """Return the ms that a new planner takes for each of ``count`` plans over 60 to 80 m."""
-    costmap, planner, times = Costmap(grid, CostmapLimits()), GridPlanner(), []
-    for _, ends in zip(range(count), far_apart(grid)):
-        planner.plan(costmap, ends[0], ends[0])
-        begin = time.perf_counter()
-        planner.plan(costmap, *ends)
-        times.append(1e3 * (time.perf_counter() - begin))
-    return times
-
-
-def measure(options) -> Iterator[Figure]:
-    """Drive the tours and print the goals that were not reached; yield the figures."""
-    ends, aborts, costs, collisions = [], [], [], 0
+def tours_of(options) -> Iterator[Tour]:
     kinds = ["small"] * options.small + ["office"] * options.offices
     for seed, kind in enumerate(kinds, options.seed):
         random = np.random.default_rng(seed)
         variant = Variant() if options.plain else varied(kind, random)
         if options.body != "varied":
             variant = variant._replace(footprint=BODIES[options.body])
-        floor = variant.floor(kind, random, seed)
-        tour = Tour(floor, variant, random, 6 if kind == "small" else 60, options.events / 10.0)
-        for number in range(options.goals):
-            text = tour.go()
-            ends.append(text.split(",")[0].split(" within")[0])
-            if text != "reached":
-                print(f"{kind} {seed} {number} {tuple(variant)}: {text}", flush=True)
-        for collision in tour.drive.collisions[:1]:
-            print(f"{kind} {seed} {tuple(variant)}: COLLISION {collision}", flush=True)
-        aborts, costs = aborts + tour.aborts, costs + tour.drive.costs
-        collisions += len(tour.drive.collisions)
-    for end in ("reached", "impossible", "either", "MISSED", "NO END"):
-        yield Figure(end, ends.count(end), "goals", "higher" if end == "reached" else "lower")
-    yield Figure("collisions", collisions, "")
-    yield Figure("longest abort", max(aborts, default=0.0), "simulated s")
-    yield from quantiles("control period", [1e6 * one for one in costs], "us")
-    yield Figure("a plan over 60 to 80 m", statistics.median(plan_times(office_floor(3).grid, options.plans)), "ms")
+        yield Tour(
+            variant.floor(kind, random, seed), variant, random, 6 if kind == "small" else 60, options.events / 10
+        )
 
 
 if __name__ == "__main__":
     main(
         __doc__,
-        measure,
+        lambda options: drive_all(tours_of(options), options.goals),
         small=Option(20, "number of small floors", 3),
         offices=Option(2, "number of office floors", 0),
         goals=Option(5, "goals on each floor", 3),
         seed=Option(0, "seed of the first floor"),
         events=Option(4, "drives in ten with an event"),
-        plain=Option(False, "use a disc, straight maps without roughness, and control at 10 Hz", True),
+        plain=Option(False, "use a disc, and straight maps without roughness", True),
         body=Option("varied", "body of the robot on all floors", choices=["varied", *BODIES]),
-        plans=Option(20, "plans over 60 to 80 m", 10),
     )

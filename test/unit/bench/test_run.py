@@ -11,7 +11,7 @@ import run
 
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[3]
-NEED_ROS = {"response", "ros_tours", "simulator"}
+NEED_ROS = {"response", "ros_tours"}
 BENCH = """#!/usr/bin/env python3
 import sys
 from pathlib import Path
