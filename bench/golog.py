@@ -2,9 +2,8 @@
 """Measures the search for shortest plans with control knowledge, written in Golog, and without it.
 
 Random towers of blocks are to be rearranged into other random towers, one move of a block in each step. There are
-three kinds of programs:
+two kinds of programs:
   alone    the domain alone, with a choice of any move in each step
-  free     a control program that allows any move until the towers stand
   control  a control program that moves blocks to their final places as soon as these are ready, in the order of their
            names. It moves a block to the table only if no final place is ready. At least one shortest plan remains.
 
@@ -70,9 +69,7 @@ golog_holds(ready(B,table),t) :- last(B,table), not right(B,t), can(B,table,t).
 golog_holds(astray(B),t)      :- block(B), not right(B,t), can(B,table,t).
 """
 
-PROGRAMS = """
-proc free { achieve done; }
-
+CONTROL = """
 proc control {
     while not done {
         if ready(_, _) { pick B, X: ready(B, X) and not some C: ready(C, _) and C < B { move(B, X); } }
@@ -81,7 +78,7 @@ proc control {
 }
 """
 
-KINDS = {"alone": "tower", "free": "run(free,1)", "control": "run(control,1)"}
+KINDS = {"alone": "tower", "control": "run(control,1)"}  # and the requests for their plans
 
 
 def renamed(first, last, dice):
@@ -98,7 +95,7 @@ def program_of(kind, first, last):
     sources = [Source("domain.lp", DOMAIN), Source("task.lp", "#program base. " + " ".join(facts))]
     if kind == "alone":
         return ReactiveProgram([*sources, Source("alone.lp", ALONE)])
-    return ReactiveProgram([*sources, Source("words.lp", WORDS, ENCODINGS), Source("blocks.golog", PROGRAMS)])
+    return ReactiveProgram([*sources, Source("words.lp", WORDS, ENCODINGS), Source("blocks.golog", CONTROL)])
 
 
 def plan_of(kind, program, limit):
@@ -127,19 +124,19 @@ def check(moves, first, last):
 
 def measure(options):
     """Solve the tasks with each kind of program; yield the median times."""
-    dice, times = random.Random(options.seed), {kind: [] for kind in options.kinds}
+    dice, times = random.Random(options.seed), {kind: [] for kind in KINDS}
     for task in range(1, options.tasks + 1):
         given = [towers(range(1, options.blocks + 1), dice) for _ in range(2)]
         for number in range(options.names):
             first, last = renamed(*given, random.Random(number)) if number else given
-            for kind in options.kinds:
+            for kind in KINDS:
                 moves, seconds = plan_of(kind, program_of(kind, first, last), options.limit)
                 times[kind].append(seconds)
                 if moves is not None:
                     check(moves, first, last)
                 length = "no plan in time" if moves is None else f"{len(moves)} moves"
                 print(f"task {task}: {kind:8} {seconds:8.2f} s, {length}", flush=True)
-    for kind in options.kinds:
+    for kind in KINDS:
         yield Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s")
 
 
@@ -151,6 +148,5 @@ if __name__ == "__main__":
         tasks=Option(3, "number of tasks", 1),
         names=Option(5, "sets of names for each task"),
         seed=Option(1, "seed of the tasks"),
-        kinds=Option([*KINDS], "kinds of programs", choices=[*KINDS]),
         limit=Option(300.0, "seconds of processor time for one search", 30.0),
     )

@@ -5,19 +5,17 @@ Three core nodes with the mailbot's program run in turns: one alone, one with a 
 rosoclingo web) and viewers. This process is the client and the interface layer: it returns each action at once, or
 after some seconds. So the figures contain only the core and ROS. The journal is in the folder for temporary files
 (TMPDIR). The viewers connect over WebSockets like browsers. They run in a separate process with the lowest priority,
-since real viewers run on other machines. In the end, each viewer must have received all goals.
+since real viewers run on other machines.
 
 Run it in the built workspace: ./dev exec python3 bench/response.py
 """
 
 import asyncio
-import json
 import os
 import queue
 import random
 import subprocess
 import tempfile
-import threading
 import time
 
 import actionlib
@@ -105,36 +103,23 @@ def compare(spaces, batches, count, seconds=0.0):
 
 
 def view(address, count):
-    """Act as ``count`` viewers; print for each ended goal of a viewer the number of goals that have ended for all."""
+    """Act as ``count`` viewers of a page; print a line as soon as each of them has received the run."""
     os.nice(19)
-    asyncio.run(_view(address, [set() for _ in range(count)]))
+    asyncio.run(_view(address, count))
 
 
-async def _view(address, viewers):
-    async def look(ended):
-        request = HTTPRequest(address.replace("http:", "ws:") + "run", headers={"Origin": address.rstrip("/")})
-        socket = await websocket_connect(request, compression_options={})
-        while True:
-            text = await socket.read_message()
-            if text is None:
-                return
-            goals = json.loads(text).get("goals", ())
-            ended.update(key for key, goal in goals if goal["ended"] is not None)
-            print(len(set.intersection(*viewers)), flush=True)
+async def _view(address, count):
+    url, headers = address.replace("http:", "ws:") + "run", {"Origin": address.rstrip("/")}
+    sockets = [await websocket_connect(HTTPRequest(url, headers=headers), compression_options={}) for _ in range(count)]
+    for socket in sockets:
+        await socket.read_message()
+    print("all viewers have the run", flush=True)
 
-    await asyncio.gather(*map(look, viewers))
+    async def read(socket):
+        while await socket.read_message() is not None:
+            pass
 
-
-class Viewers:
-    """The process of the viewers, and the number of goals that all of them have received as ended."""
-
-    def __init__(self, process):
-        self.messages = self.ended = 0
-        threading.Thread(target=self._read, args=(process.stdout,), daemon=True).start()
-
-    def _read(self, lines):
-        for line in lines:
-            self.messages, self.ended = self.messages + 1, int(line)
+    await asyncio.gather(*map(read, sockets))
 
 
 def measure(options):
@@ -156,12 +141,11 @@ def watched(system, figures, options):
     """Yield figures while viewers watch a page, and the processor time of the page's node."""
     system.start("rosrun", "rosoclingo", "web", "_port:=0", "__name:=web", namespace="page")
     address = rospy.wait_for_message("/page/web/address", String, PATIENCE).data
-    call = f"view({address!r}, {options.viewers})"
-    viewers = Viewers(system.call("response", call, stdout=subprocess.PIPE, text=True))
-    wait_for(lambda: viewers.messages >= options.viewers, "the run of each viewer")
+    viewers = system.call("response", f"view({address!r}, {options.viewers})", stdout=subprocess.PIPE)
+    if not viewers.stdout.readline():
+        raise SystemExit("the viewers have not received the run")
     before, goals = processor_time("/page/web"), (options.batches + 1) * options.requests
     yield from figures
-    wait_for(lambda: viewers.ended >= goals, "all goals of each viewer")
     spent = 1000 * (processor_time("/page/web") - before)
     yield Figure("the page's node, a goal", spent / goals, "ms of processor")
 
