@@ -38,8 +38,8 @@ class PooledCore:
 
     """
 
-    def __init__(self, program, plan_time=0.0, settings=None, standby=True):
-        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=standby)
+    def __init__(self, program, plan_time, settings=None):
+        self.process = WorkerPool(program, shortest=True, plan_time=plan_time, standby=True)
         watches = {"watch": self.watch, "watch_joining": self.watch_joining}
         self.core = Core(program, lambda: ProcessSolver(self.process), self.note, settings or CoreSettings(), **watches)
         self.outcomes = {}
@@ -66,10 +66,10 @@ class PooledCore:
         while self.core.advance(now):
             pass
 
-    def answer(self, *facts, value=None, actions=None):
-        """Report facts and the returns of actions, by default of all awaited ones: their success, or ``value``."""
+    def answer(self, *facts, actions=None):
+        """Report facts and the success of actions, by default of all awaited ones."""
         ended = self.core.awaited if actions is None else actions
-        returns = (f"_return({one.interface},{value or one.parameter},{one.cycle})" for one in ended)
+        returns = (f"_return({one.interface},{one.parameter},{one.cycle})" for one in ended)
         self.core.receive("bench", [*facts, *returns])
 
     def await_standby(self, seconds):

@@ -32,7 +32,6 @@ from fleet_world import DRIVE, HANDLE, FleetWorld
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
-from rosoclingo.reasoning.settings import CoreSettings
 
 GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
@@ -84,7 +83,7 @@ class FleetCore(PooledCore):
     """
 
     def __init__(self, program, world):
-        super().__init__(program, PLAN_TIME, CoreSettings())
+        super().__init__(program, PLAN_TIME)
         self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
         self._ends, self._rests = [], {}
 
