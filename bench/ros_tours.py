@@ -36,6 +36,8 @@ LIMIT = 300.0  # s of wall time, the limit of a goal
 class NodesTour(Tour):
     """A tour whose robot the nodes drive; ``folder`` gets the files that they read."""
 
+    clock = staticmethod(time.monotonic)
+
     def __init__(self, options, system, folder):
         variant, random = Variant(footprint=BODIES[options.body]), np.random.default_rng(options.seed)
         super().__init__(office_floor(options.seed), variant, random, 60, 0.0)
