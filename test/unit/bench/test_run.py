@@ -80,6 +80,21 @@ def test_bench_run_uses_own_bench_if_commits_differ(repository, capfd):
     assert said == ["bench: speed: here", f"bench: speed: {commit[:8]}"] * 3
 
 
+NEEDS_NEW = 'sys.path.append(str(Path(__file__).resolve().parents[1] / "src"))\nimport new'
+
+
+@pytest.mark.slow
+def test_bench_run_reports_bench_that_fails_on_commit(repository, capfd):
+    commit = repository.commit(3)
+    repository.bench("a value", NEEDS_NEW)
+    repository.write("src/new.py", "")
+    assert compare(repository, commit) == [("a value", (3.0,) * 3, ())]
+    said = capfd.readouterr().err
+    assert f"speed: not available in {commit[:8]}" in said
+    assert "No module named 'new'" in said
+    assert said.count(f"bench: speed: {commit[:8]}") == 2, "both benches are tried once"
+
+
 def test_bench_run_reports_commit_that_cannot_be_built(repository):
     repository.write("dev", "#!/bin/sh\nexit 1\n").chmod(0o755)
     repository.bench("a value")
@@ -87,7 +102,19 @@ def test_bench_run_reports_commit_that_cannot_be_built(repository):
         compare(repository, repository.commit(3))
 
 
-@pytest.mark.parametrize("name", run.BENCHES)
+@pytest.mark.slow
+def test_bench_run_prints_a_table(repository, tmp_path, monkeypatch, capsys):
+    repository.bench("a value")
+    repository.commit(3)
+    monkeypatch.setattr(run, "BENCHES", ["speed"])
+    monkeypatch.setattr(sys, "argv", ["run.py", "--work", str(tmp_path)])
+    assert run.main() == 0
+    head, row, _load = capsys.readouterr().out.splitlines()
+    assert head.split() == ["bench", "figure", "unit", "best", "median"]
+    assert row.split() == ["speed", "a", "value", "ms", "3", "3"]
+
+
+@pytest.mark.parametrize("name", [one for one in run.BENCHES if one not in NEED_ROS])
 def test_bench_prints_its_options_without_measuring(name, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", [name, "--help"])
     with pytest.raises(SystemExit) as end:
@@ -116,9 +143,9 @@ def test_bench_of_nodes_prints_its_options(name):
         (["golog", "--against", "nosuch"], "no such commit: nosuch"),
     ],
 )
-def test_bench_run_refuses_a_wrong_command_line(arguments, message, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["run.py", *arguments, "--work", str(tmp_path)])
+def test_bench_run_refuses_a_wrong_command_line(arguments, message, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["run.py", "--work", "/none", *arguments])
     with pytest.raises(SystemExit) as end:
-        run.main()
+        run.command_line()
     assert end.value.code == 2
     assert message in capsys.readouterr().err
