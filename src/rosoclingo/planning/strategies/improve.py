@@ -35,6 +35,9 @@ CONFLICTS = 100
 MOST_CONFLICTS = 20_000
 """Limit of conflicts for a question in the last round; if this round finds nothing, the search is exhausted."""
 
+ROBOTS_CONFLICTS = 16
+"""Factor of this limit for questions in which two or more robots are free: these take more conflicts than a window."""
+
 COST_CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
 
@@ -168,7 +171,7 @@ class Improvement:
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._while_shorter(lambda: self._shorter_plans(2 * conflicts))
         if self._runner.program.actions_go_on:
-            yield from self._while_shorter(lambda: self._other_robots(2 * conflicts))
+            yield from self._while_shorter(lambda: self._other_robots(ROBOTS_CONFLICTS * conflicts))
         first = self._step + 1
         while first <= self._plan.horizon:
             yield from self._while_shorter(lambda: self._reordered(conflicts))
