@@ -36,7 +36,7 @@ MOST_CONFLICTS = 20_000
 """Limit of conflicts for a question in the last round; if this round finds nothing, the search is exhausted."""
 
 ROBOTS_CONFLICTS = 16
-"""Factor of this limit for questions in which two or more robots are free: these take more conflicts than a window."""
+"""Factor of :data:`CONFLICTS` if two or more robots are free: this takes more conflicts than a free window."""
 
 COST_CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
