@@ -149,6 +149,29 @@ def test_navigator_tick_without_goal_is_an_error():
         Fixed().tick(0.0)
 
 
+class Blocked(RolloutFollower):
+    """Reports its path as blocked ``at`` a point (m)."""
+
+    at = (0.0, 0.0)
+
+    def compute(self, costmap, pose, velocity, period):
+        return VelocityCommand(FollowOutcome.BLOCKED, at=self.at)
+
+
+def test_navigator_leaves_path_blocked_at_any_point():
+    costmap, goal, follower, paths = Costmap(room(resolution=0.1)), Pose2D(5.0, 4.0), Blocked(), []
+    navigator = Navigator(costmap, GridPlanner(), follower, [])
+    navigator.on_plan = paths.append
+    points = GridPlanner().plan(costmap, START, goal).points
+    for place in np.arange(2.0, len(points) - 3.0, 0.5):
+        follower.at = tuple(np.interp(place, range(len(points)), axis) for axis in points.T)
+        navigator.set_goal(0.0, goal)
+        paths.clear()
+        for now in (0.0, 0.3):
+            navigator.tick(now, START, Velocity(), 0.1)
+        assert len(paths) == 2
+
+
 def test_navigator_stops_blind_robot_and_loses_patience():
     """A new scan restores the patience."""
     fixed = Fixed(controller_patience=3.0).start(-2.0)

@@ -48,8 +48,11 @@ def is_blocked(clearance, closed, points, x, y, radius):
     for i in range(start, points.shape[0] - 1):
         x0, y0, x1, y1 = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
         least = here if math.hypot(x0 - x, y0 - y) < 2.0 * radius + 3.0 else radius
-        if least_along(clearance, x0, y0, x1, y1) < least or closed[int(y1), int(x1)]:
-            return True
+        count = int(3.0 * math.hypot(x1 - x0, y1 - y0)) + 1
+        for k in range(count + 1):
+            px, py = x0 + (x1 - x0) * k / count, y0 + (y1 - y0) * k / count
+            if point_clearance(clearance, px, py) < least or closed[int(py), int(px)]:
+                return True
     return False
 
 
