@@ -59,7 +59,7 @@ class CoreStart(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertEqual(lines[:2], ["walks 1", "cancelling do(walk,1) (Ctrl-C again: do not wait)"])
         self.assertTrue(lines[-1].startswith("do(walk,1): cancelled"), lines)
-        self.assertEqual(len(lines), len(set(lines)), "each line is printed once")
+        self.assertFalse([one for one, after in zip(lines, lines[1:]) if one == after], "news are printed once")
 
 
 if __name__ == "__main__":
