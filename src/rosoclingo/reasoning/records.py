@@ -111,7 +111,7 @@ def group(record: Record, name: str) -> Record:
     return {key[len(start) :]: value for key, value in record.items() if key.startswith(start)}
 
 
-class Table(NamedTuple):
+class DictCodec(NamedTuple):
     """The conversion of a dictionary to rows of a group, one for each item, in order."""
 
     group: str
@@ -119,9 +119,9 @@ class Table(NamedTuple):
     value: Codec
 
 
-def tables(**hints: Tuple[str, Any, Any]) -> Mapping[str, Table]:
+def tables(**hints: Tuple[str, Any, Any]) -> Mapping[str, DictCodec]:
     """Return the tables of dictionaries by their names: each has a group, and the types of its keys and values."""
-    return {name: Table(group_name, codec(key), codec(value)) for name, (group_name, key, value) in hints.items()}
+    return {name: DictCodec(group_name, codec(key), codec(value)) for name, (group_name, key, value) in hints.items()}
 
 
 class Group(NamedTuple):
@@ -141,7 +141,7 @@ class PersistentPart:
 
     GROUP: ClassVar[str]
     FIELDS: ClassVar[Mapping[str, Codec]] = {}
-    TABLES: ClassVar[Mapping[str, Table]] = {}
+    TABLES: ClassVar[Mapping[str, DictCodec]] = {}
 
     def groups(self) -> Iterator[Group]:
         """Yield the groups of this part."""
@@ -169,7 +169,7 @@ class PersistentPart:
             setattr(self, name, {one.key.decode(key): one.value.decode(value) for key, value in rows.items()})
 
 
-def _group_of(one: Table, values: Mapping[Any, Any]) -> Group:
+def _group_of(one: DictCodec, values: Mapping[Any, Any]) -> Group:
     return Group(one.group, values, lambda key: f"{one.group}:{one.key.encode(key)}", lambda _key: one.value)
 
 

@@ -21,7 +21,7 @@ def account():
 def take(account):
     """Pass a message of a topic to the account."""
     topics = RunTopics(account)
-    return lambda topic, message, time: topics.takes[topic](time, message)
+    return lambda topic, message, time: topics.pass_on(topic, time, message)
 
 
 def program(text="", labels=LABELS):

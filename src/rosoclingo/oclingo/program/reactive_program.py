@@ -155,11 +155,12 @@ class ReactiveProgram(LoadedProgram):
     @cached_property
     def _suspicious_heads(self) -> Set[Signature]:
         """The predicates of steps whose atoms base or another step could define again."""
-        found: Set[Signature] = set()
-        for signature, patterns in self._patterns["defined"].items():
-            in_steps = [bool(one.parameter) for one in patterns]
-            found.update({signature} if any(in_steps) and not (all(in_steps) and are_apart(patterns)) else ())
-        return found
+        return {
+            signature
+            for signature, patterns in self._patterns["defined"].items()
+            if any(one.parameter for one in patterns)
+            and not (all(one.parameter for one in patterns) and are_apart(patterns))
+        }
 
     @property
     def defines_externals(self) -> bool:

@@ -24,14 +24,12 @@ def integer(lowest: int, highest: int = 2**31 - 1) -> Callable[[str], int]:
     return parse
 
 
-#: Parses an integer of at least 1.
 positive = integer(1)
 
-#: Parses an integer of at least 0.
 natural = integer(0)
 
-#: Parses a TCP port; 0 stands for any free port.
 port = integer(0, 65535)
+"""A TCP port; 0 stands for any free port."""
 
 
 def duration(text: str) -> float:

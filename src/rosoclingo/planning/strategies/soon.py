@@ -121,7 +121,6 @@ class FirstPlanSearch:
             if reply.satisfiable:
                 return reply
             self._end = end  # other plans need no more steps
-        if running:
             plans.append(self._plan.waiting_for(running, step))
         self._rests = [plan for plan in plans if plan.actions]
         return None
