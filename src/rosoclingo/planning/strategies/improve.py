@@ -41,8 +41,8 @@ ROBOTS_CONFLICTS = 16
 COST_CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
 
-WAITS = 4
-"""Number of steps by which actions of a candidate can be late, because robots wait for each other."""
+WAITS = (0, 1, 2, 4)
+"""Numbers of further steps for a candidate, because robots wait for each other; tried in order."""
 
 FEW_STEPS = 100
 """Greatest number of steps for which questions without ``#heuristic`` are worthwhile."""
@@ -59,6 +59,7 @@ class Improvement:
         self._present: Assumptions  # fix the actions up to the present step as executed
         self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # an answer with the plan's cost, and its grounding
         self._exhausted = self._trimmed = False
+        self._ordered = (-1, -1)  # the step and the horizon of the plan whose tasks were reordered first
         self._questions = self._rounds()
 
     def moves_to(self, plan: Plan, step: int, first: int) -> bool:
@@ -88,7 +89,9 @@ class Improvement:
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
         best: Optional[Reply] = None
         with suppress(StoppedError):
-            orders = self._reordered(CONFLICTS) if runner.program.actions_go_on else iter(())
+            state, orders = (self._step, self._plan.horizon), iter(())  # type: Tuple[int, int], Iterator[Question]
+            if runner.program.actions_go_on and state != self._ordered:
+                self._ordered, orders = state, self._reordered(CONFLICTS)
             while not runner.is_stopped():
                 order = next(orders, None)
                 if order is not None:  # first, because it can save many steps before the next update
@@ -219,13 +222,16 @@ class Improvement:
         return Question(self._first, last, [*before, *after], conflicts=conflicts, best=not earlier)
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
-        """Yield a question about another order of the tasks, in which robots can wait for each other."""
-        plan = reordered(self._plan, self._step, self._random, self._runner.is_stopped)
-        if plan is not None:
-            late = min(WAITS, self._plan.horizon - 1 - plan.horizon) if self._runner.program.actions_go_on else 0
-            last = max(self._begin, plan.horizon + late)
-            given = plan.excluding_others(self._runner.actions(self._step + 1, last), late)
-            yield Question(self._first, last, given, conflicts=conflicts)
+        """Yield questions about another order of the tasks, in which robots can wait for each other."""
+        before, plan = self._plan, reordered(self._plan, self._step, self._random, self._runner.is_stopped)
+        if plan is None:
+            return
+        waits = WAITS if self._runner.program.actions_go_on else (0,)
+        for more in waits:
+            if self._plan is before and plan.horizon + more < before.horizon:
+                last = max(self._begin, plan.horizon + more)
+                given = plan.excluding_others(self._runner.actions(self._step + 1, last), waits[-1])
+                yield Question(self._first, last, given, conflicts=conflicts)
 
     @property
     def is_proven(self) -> bool:

@@ -126,12 +126,16 @@ class FirstPlanSearch:
         return None
 
     def _ask_later(self, plan: Plan) -> _Asks[Reply]:
-        """Ask for a plan with actions of ``plan`` only, in which each can be up to :data:`LATER` steps late."""
-        last = max(self._least, plan.horizon) + LATER
-        if not self._reach(last):
-            return UNKNOWN
-        given = plan.excluding_others(self._runner.actions(self._runner.step, last), LATER)
-        return (yield from self._ask(self._least, last, CONFLICTS, given))
+        """Ask for a plan with actions of ``plan`` only, in which each can be up to :data:`LATER` steps late.
+
+        It has as few additional steps as possible.
+        """
+        reply, last = UNKNOWN, max(self._least, plan.horizon)
+        for end in range(last, last + LATER + 1):
+            if self._reach(end) and not reply.satisfiable:
+                given = plan.excluding_others(self._runner.actions(self._runner.step, end), LATER)
+                reply = yield from self._ask(self._least, end, CONFLICTS, given)
+        return reply
 
     def _reach(self, last: int) -> bool:
         """Ground the steps up to ``last``; return whether that is possible."""
@@ -234,6 +238,12 @@ class FirstPlanSearch:
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def _trimmed(self, reply: Reply) -> _Asks[Reply]:
+        """Return the plan in ``reply``, trimmed.
+
+        If actions can go on and the program has advice, no robot idles at first, so the plan is trimmed later.
+        """
+        if self._program.actions_go_on and self._program.advises:
+            return reply
         return (yield from trimmed(reply, self._runner, self._runner.step - 1, self._least))
 
     def _ask(
