@@ -135,6 +135,12 @@ class StrategyRunner:
         """Return the possible actions of the cycles ``first`` to ``last`` that are not closed."""
         return self.grounding.actions(first, last)
 
+    @property
+    def first_actions(self) -> List[clingo.Symbol]:
+        """The possible actions of the first cycle that was not closed when the program was grounded."""
+        first = self.grounding.snapshot.step
+        return self.actions(first, first)
+
     def ground(self, horizon: int) -> None:
         """Extend the grounding in pieces up to ``horizon``, or build a new one; raises StoppedError."""
         size = self.grounding.piece if self.grounding.grows else lambda: horizon

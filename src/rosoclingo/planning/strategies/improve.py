@@ -223,7 +223,8 @@ class Improvement:
 
     def _reordered(self, conflicts: int) -> Iterator[Question]:
         """Yield questions about another order of the tasks, in which robots can wait for each other."""
-        before, plan = self._plan, reordered(self._plan, self._step, self._random, self._runner.is_stopped)
+        before = self._plan
+        plan = reordered(before, self._step, self._random, self._runner.is_stopped, self._runner.first_actions)
         if plan is None:
             return
         waits = WAITS if self._runner.program.actions_go_on else (0,)

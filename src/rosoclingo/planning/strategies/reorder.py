@@ -4,8 +4,10 @@ The plan is read as a tour; if it has several actions at a step, as one tour for
 actions of its kind are *moves*, each to the place in its parameter. Other actions are *tasks* at the place of the last
 move. Tasks with the same parameter, such as a pickup and a delivery, form a *chain*: one robot does them, in the order
 of the plan. A chain is open from its first to its last task; in a candidate, no robot has more open chains than one has
-in the plan. Moves use the connections of the plan; half of the searches use them in both directions. Half of the
-searches also use robots without actions in the plan, which can be out of service.
+in the plan. Moves use the connections of the plan, and the first moves that the program allows. Most searches are
+optimistic: connections lead in both directions, robots without actions in the plan are in service, and moves at the end
+of the plan, which can make way for others, are superfluous. The last task of a chain is done when its robot first comes
+to its place.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
 each where it costs least. Like simulated annealing, it also accepts slightly longer tours.
@@ -16,7 +18,7 @@ from collections import Counter, deque
 from itertools import accumulate
 from operator import itemgetter
 from random import Random
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import clingo
 
@@ -29,6 +31,9 @@ EFFORT = 10_000
 
 REMOVED = 8
 """Greatest number of chains that one round removes."""
+
+OPTIMISM = 0.75
+"""Probability of each optimistic assumption of a search, see :class:`Tours`."""
 
 OTHERS = 0.1
 """Cost of a step of a tour that is not the longest one."""
@@ -57,15 +62,21 @@ class TourAction(NamedTuple):
     act: Act
 
 
-def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[Plan]:
+def reordered(
+    plan: Plan, step: int, random: Random, stopped: Stop, possible: Sequence[clingo.Symbol]
+) -> Optional[Plan]:
     """Return a shorter candidate that differs from ``plan`` after ``step``; None if none is found.
 
-    Robots do not wait in it, even if they are in each other's way. The search ends when ``stopped`` returns true.
+    Robots do not wait in it, even if they are in each other's way. ``possible`` are the actions of an earlier step that
+    were possible: the moves among them can be the first ones of robots that have not moved since then. The search ends
+    when ``stopped`` returns true.
     """
-    all_actions = _tour_actions(plan)
+    by_robot = _act_at_once(plan)
+    all_actions = _tour_actions(plan.actions, by_robot)
     rest = [one for one in all_actions if one.cycle > step]
     past = [one for one in all_actions if one.cycle <= step]
-    tours = Tours(past, rest, both_ways=random.random() < 0.5, idle_robots=random.random() < 0.5)
+    both_ways, idle_robots, free_ends = (random.random() < OPTIMISM for _ in range(3))
+    tours = Tours(past, rest, _tour_actions(possible, by_robot), both_ways, idle_robots, free_ends)
     if len({(one.cycle, one.robot) for one in rest}) < len(rest) or len(tours.chains) < 2:
         return None
     best = orders = tours.orders
@@ -81,18 +92,22 @@ def reordered(plan: Plan, step: int, random: Random, stopped: Stop) -> Optional[
     return Plan(frozenset(actions), end) if end < plan.horizon else None
 
 
-def _tour_actions(plan: Plan) -> List[TourAction]:
-    """Return the actions of ``plan``, sorted by cycle."""
-    actions = sorted(plan.actions, key=cycle_of)
-    several = len(set(map(cycle_of, actions))) < len(actions)
-    if several and all(
-        one.arguments[0].type is clingo.SymbolType.Function and one.arguments[0].arguments for one in actions
-    ):
-        names = [(cycle_of(one), one.arguments[0], one.arguments[1]) for one in actions]
-        return [
-            TourAction(cycle, tuple(name.arguments), (clingo.Function(name.name), what)) for cycle, name, what in names
-        ]
-    return [TourAction(cycle_of(one), (), (one.arguments[0], one.arguments[1])) for one in actions]
+def _act_at_once(plan: Plan) -> bool:
+    """Return whether ``plan`` has several actions at a step, whose names tell the robots."""
+    names = [one.arguments[0] for one in plan.actions]
+    return len(set(map(cycle_of, plan.actions))) < len(names) and all(
+        one.type is clingo.SymbolType.Function and one.arguments for one in names
+    )
+
+
+def _tour_actions(actions: Iterable[clingo.Symbol], by_robot: bool) -> List[TourAction]:
+    """Return ``actions`` sorted by cycle, as those of one tour or ``by_robot``."""
+    found = []
+    for one in sorted(actions, key=cycle_of):
+        name, what = one.arguments[:2]
+        robot, kind = (tuple(name.arguments), clingo.Function(name.name)) if by_robot else ((), name)
+        found.append(TourAction(cycle_of(one), robot, (kind, what)))
+    return found
 
 
 def _recreated(tours: "Tours", orders: List[Order], random: Random) -> Optional[List[Order]]:
@@ -120,14 +135,21 @@ class Tours:
     """
 
     def __init__(
-        self, past: Sequence[TourAction], plan: Sequence[TourAction], both_ways: bool, idle_robots: bool
+        self,
+        past: Sequence[TourAction],
+        plan: Sequence[TourAction],
+        possible: Sequence[TourAction],
+        both_ways: bool,
+        idle_robots: bool,
+        free_ends: bool,
     ) -> None:
-        """Read ``plan``, which follows the ``past``.
+        """Read ``plan``, which follows the ``past``; the moves among the ``possible`` actions can be first ones.
 
-        If ``both_ways``, connections are symmetric. Robots that act only in the past are used if ``idle_robots``.
+        If ``both_ways``, connections are symmetric. Robots without actions in the plan are used if ``idle_robots``.
+        If ``free_ends``, tours end with their last task, even if moves follow it in the plan.
         """
         self._moving = {kind for (kind, _), count in Counter(one.act for one in plan).items() if count > 1}
-        self._robots = sorted({one.robot for one in (*plan, *(past if idle_robots else ()))})
+        self._robots = sorted({one.robot for one in (*plan, *((*past, *possible) if idle_robots else ()))})
         self._exits: Dict[Act, List[Act]] = {}
         self._tasks: List[Act] = []
         self.orders: List[Order] = []
@@ -136,6 +158,9 @@ class Tours:
             moves = [one.act for one in past if one.robot == robot and self._moves(one.act)]
             here = moves[-1] if moves else (clingo.Infimum, clingo.Number(number))
             starts.append(here)
+            if not moves:
+                first = [one.act for one in possible if one.robot == robot and self._moves(one.act)]
+                self._exits[here] = [*dict.fromkeys(first)]
             self.orders.append([])
             acts = [one.act for one in plan if one.robot == robot]
             for act in acts:
@@ -148,7 +173,7 @@ class Tours:
                     self.orders[-1].append(len(self._tasks))
                     self._tasks.append(act)
                     places.append(here)
-            ends.append(here if acts and self._moves(acts[-1]) else ANYWHERE)
+            ends.append(here if acts and self._moves(acts[-1]) and not free_ends else ANYWHERE)
         self._places = [*places, *starts, *ends]  # of the tasks, and of the starts and ends of the tours
         self._find_chains()
         self._ways = {place: self._ways_from(place) for place in self._places}
@@ -252,13 +277,38 @@ class Tours:
         """Return the actions of ``orders`` from ``cycle`` on."""
         actions = []
         for number, (robot, order) in enumerate(zip(self._robots, orders)):
-            acts: List[Act] = []
-            stops = self._stops(number, order)
-            for here, there in zip(stops, stops[1:]):
-                acts += self._ways[self._places[here]][self._places[there]]
-                acts += [self._tasks[there]] if there in self.chain_of else []
-            names = [(clingo.Function(kind.name, robot) if robot else kind, what) for kind, what in acts]
+            names = [
+                (clingo.Function(kind.name, robot) if robot else kind, what) for kind, what in self._acts(number, order)
+            ]
             actions += [
                 clingo.Function(ACTION.name, [*act, clingo.Number(late)]) for late, act in enumerate(names, cycle)
             ]
         return actions
+
+    def _acts(self, robot: int, order: Order) -> List[Act]:
+        """Return the actions of a tour; it ends each chain when it first comes to the place of the last task."""
+        acts: List[Act] = []
+        left = list(order)
+
+        def end_chains(place: Act) -> None:
+            """Do the tasks at ``place`` whose chains have no other task left."""
+            for task in [one for one in left if self._places[one] == place]:
+                if not {*left, task}.intersection(self.chains[self.chain_of[task]]) - {task}:
+                    left.remove(task)
+                    acts.append(self._tasks[task])
+
+        start, *_, end = self._stops(robot, order)
+        here = self._places[start]
+        end_chains(here)
+        while left or self._ways[here][self._places[end]]:
+            there = self._places[left[0] if left else end]
+            for move in self._ways[here][there]:
+                acts.append(move)
+                end_chains(move)
+            here = there
+            if left and self._places[left[0]] == here:
+                acts.append(self._tasks[left.pop(0)])
+                end_chains(here)
+            elif not left and here == ANYWHERE:
+                break
+        return acts
