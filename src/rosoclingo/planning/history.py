@@ -115,13 +115,11 @@ class AcceptedUpdate:
     Attributes:
         update: the update, None for a search without one.
         horizon: the horizon of the answer; without an answer, the last grounded step.
-        predicted: whether the update needed no search, because the previous answer stays valid.
 
     """
 
     update: Optional[StreamUpdate]
     horizon: int
-    predicted: bool = False
 
 
 @dataclass(frozen=True)
@@ -251,12 +249,6 @@ class History:
         return None if last is None else last[0].before
 
     @property
-    def predicted(self) -> bool:
-        """Whether the last update needed no search."""
-        last = self._last_update
-        return last is not None and last[1].predicted
-
-    @property
     def _last_update(self) -> Optional[Tuple["History", AcceptedUpdate]]:
         """The history up to the last update, and its entry."""
         history: Optional[History] = self
@@ -306,7 +298,7 @@ def entry_to_message(entry: Entry) -> Message:
     """Return ``entry`` as a plain value for JSON."""
     if isinstance(entry, AcceptedUpdate):
         text = None if entry.update is None else str(entry.update)
-        return {"do": "update", "update": text, "horizon": entry.horizon, "predicted": entry.predicted}
+        return {"do": "update", "update": text, "horizon": entry.horizon}
     if isinstance(entry, AdoptedPlan):
         actions, horizon, shortest = entry.plan
         return {"do": "adopt", "actions": symbols_to_text(sorted(actions)), "horizon": horizon, "shortest": shortest}
@@ -318,7 +310,7 @@ def entry_from_message(message: Message) -> Entry:
     do = message["do"]
     if do == "update":
         text = message["update"]
-        return AcceptedUpdate(None if text is None else parse_update(text), message["horizon"], message["predicted"])
+        return AcceptedUpdate(None if text is None else parse_update(text), message["horizon"])
     if do == "adopt":
         return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message["snapshot"])

@@ -128,7 +128,7 @@ class PlanningSolver(ABC):
         for update in updates:
             if not is_predicted(plan, answer.predicted, log.step, update):
                 return None
-            log = log.with_entries(AcceptedUpdate(update, log.horizon, predicted=True))
+            log = log.with_entries(AcceptedUpdate(update, log.horizon))
         return log
 
     def _accept_predicted(self, update: StreamUpdate) -> Optional[SolveResult]:

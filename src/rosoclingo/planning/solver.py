@@ -19,7 +19,7 @@ from rosoclingo.oclingo.solving.results import Answer, SolveOutcome, SolveResult
 from rosoclingo.oclingo.solving.stream_solver import check_horizon_limit
 from rosoclingo.planning.compaction import compacted, end_of_past, first_open, recent_atoms
 from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.history import AcceptedUpdate, AdoptedPlan, Checkpoint, Plan
+from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.idling import may_idle
 from rosoclingo.planning.planning_solver import PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Reply, Stop, never
@@ -50,8 +50,8 @@ _OUTCOMES = {
 }
 
 
-class _Cached(NamedTuple):
-    """The grounding of an earlier question; the key contains the values from which it was built."""
+class _Probed(NamedTuple):
+    """The grounding of the last hypothetical question; the key contains the values from which it was built."""
 
     key: object
     runner: StrategyRunner
@@ -93,8 +93,8 @@ class PlanSolver(PlanningSolver):
         self._plan_time = plan_time
         self._predicts = models == 1 and is_predictable(program)
         self._idles = idles
-        self._searched: Optional[_Cached] = None  # the last search; its key is that of the history
-        self._probed: Optional[_Cached] = None  # the last hypothetical question, by history, update and assumable facts
+        self._searched: Optional[StrategyRunner] = None  # the runner of the last search or improvement
+        self._probed: Optional[_Probed] = None  # the last hypothetical question, by history, update and assumable facts
         self._improvement: Optional[Improvement] = None
         self._checked_until = 0  # earlier steps cannot be compacted
         self._remarks = set(program.warnings)  # clingo's remarks, each of which is reported once
@@ -107,7 +107,7 @@ class PlanSolver(PlanningSolver):
     @property
     def atoms(self) -> int:
         """The number of atoms in the grounding of the last search, 0 if there is none."""
-        return 0 if self._searched is None else self._searched.runner.grounding.size
+        return 0 if self._searched is None else self._searched.grounding.size
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
@@ -119,7 +119,9 @@ class PlanSolver(PlanningSolver):
             self.checkpoint(stopped)
         before = self.snapshot
         after = before.with_update(update, self.program)
-        runner = self._following(after) or self._runner(after, stopped)
+        # Only programs with running actions have many updates for which the last grounding helps.
+        goes_on = RUNNING in self.program.open_signatures
+        runner = (self._following(after) if goes_on else None) or self._runner(after, stopped)
         self._searched, self._under_way = None, lambda: runner.horizon
         limit_from = time.process_time()
         found = self._first_plan(runner, update, stopped)
@@ -131,7 +133,7 @@ class PlanSolver(PlanningSolver):
         warnings = () if update is None else update.warnings
         result = self._result(runner, reply, proven, warnings, spent)
         self.log = self.log.with_entries(AcceptedUpdate(update, result.horizon if result.answers else runner.horizon))
-        self._searched = _Cached(self.log.key, runner)
+        runner.snapshot, self._searched = self.snapshot, runner
         self._adopt(result)
         if not result.answers:
             self._checked_until = end_of_past(self.program, self.snapshot)  # a later update can correct these steps
@@ -207,14 +209,8 @@ class PlanSolver(PlanningSolver):
         return StrategyRunner(self.program, snapshot, build, BLOCK if idles else 1, self._horizon_limit, stopped)
 
     def _following(self, snapshot: Snapshot) -> Optional[StrategyRunner]:
-        """Return a runner that uses the grounding of the last search; None if it has to be regrounded.
-
-        Only programs with running actions have many updates for which that helps.
-        """
-        runner = None if self._searched is None else self._searched.runner
-        if RUNNING not in self.program.open_signatures or runner is None:
-            return None
-        return runner.following(snapshot)
+        """Return a runner that uses the grounding of the last search; None if it has to be regrounded."""
+        return None if self._searched is None else self._searched.following(snapshot)
 
     def _warnings(self, runner: StrategyRunner) -> Iterator[str]:
         """Yield warnings about the last update, and new remarks of clingo."""
@@ -251,9 +247,10 @@ class PlanSolver(PlanningSolver):
         halt = stopped or never
         start, improvement = time.perf_counter(), self._improving(plan, self.step, self.snapshot.min_horizon)
         try:
-            runner, returns = self._last_search(halt)
+            runner = self._following(self.snapshot) or self._runner(self.snapshot, halt)
         except StoppedError:
             return None
+        self._searched, self._under_way = runner, lambda: runner.horizon
         if runner.grounding.is_cyclic:
             return None
         reply = runner.run(improvement.run(runner), halt)
@@ -261,11 +258,8 @@ class PlanSolver(PlanningSolver):
             reply = runner.run(improvement.run(runner), halt)
         if reply is None:
             return None
-        if not returns <= reply.predicted.returns:  # the returns since the search do not allow this plan
-            self._searched = None
-            return self.improve(stopped)
         spent = {"solve": time.perf_counter() - start, "ground": 0.0, "needed": 0.0}
-        predicted = self._predicted(runner, reply, proven=False) - returns
+        predicted = self._predicted(runner, reply, proven=False)
         answers, step = reply.answers, self.step
         result = SolveResult(SolveOutcome.SATISFIABLE, answers, reply.horizon, step, (), False, spent, False, predicted)
         self._adopt(result)
@@ -276,25 +270,6 @@ class PlanSolver(PlanningSolver):
         if self._improvement is None or not self._improvement.moves_to(plan, step, first):
             self._improvement = Improvement(plan, step, first)
         return self._improvement
-
-    def _last_search(self, halt: Stop) -> Tuple[StrategyRunner, FrozenSet[clingo.Symbol]]:
-        """Return the grounding of the last search and the returns since then; reground unless all were predicted."""
-        searched, log, returns = self._searched, self.log, set()
-        while searched is not None and searched.key != log.key:
-            entry = log.entry
-            if isinstance(entry, AcceptedUpdate) and entry.predicted and entry.update is not None:
-                returns |= {head for head in entry.update.heads if head is not None}
-            elif not isinstance(entry, (AdoptedPlan, Checkpoint)):
-                searched = None
-            if log.before is None:
-                searched = None
-            else:
-                log = log.before
-        if searched is None:
-            runner, returns = self._runner(self.snapshot, halt), set()
-            searched, self._under_way = _Cached(self.log.key, runner), lambda: runner.horizon
-        self._searched = searched
-        return searched.runner, frozenset(returns)
 
     # ---- Hypothetical questions --------------------------------------------------------------------------------------
 
@@ -322,7 +297,7 @@ class PlanSolver(PlanningSolver):
         try:
             if probed is None or probed.key != key or probed.runner.block == 1:
                 snapshot = self.snapshot.with_update(unbounded, self.program)
-                probed = _Cached(key, self._runner(replace(snapshot, bound=None), halt, assumable))
+                probed = _Probed(key, self._runner(replace(snapshot, bound=None), halt, assumable))
             runner = probed.runner
             last = runner.last(None if update.bound is None else runner.step + update.bound)
             end = max(self.horizon, runner.snapshot.horizon, last)

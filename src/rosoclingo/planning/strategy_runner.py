@@ -76,6 +76,8 @@ class StrategyRunner:
         The later updates can close cycles, commit to actions, and assert facts for which the grounding has externals.
         All questions assume these.
         """
+        if snapshot is self.snapshot:
+            return self
         base, grounding = self.grounding.snapshot, self.grounding
         new = snapshot.items[len(base.items) :]
         statements = [one.statement for one in new if isinstance(one, TimedStatement) and one.lifetime == FOREVER]

@@ -166,7 +166,7 @@ class Trip:
         if better is None:
             self.solver.restore(self.solver.log.adopt(plan))
             return
-        event("shorter after a predicted update" if self.solver.log.predicted else "shorter")
+        event("shorter")
         assert Plan.from_result(better) == self.solver.log.plan
         check_answer(self.solver, better)
 
