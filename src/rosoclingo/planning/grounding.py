@@ -34,7 +34,7 @@ from rosoclingo.oclingo.solving.cycles import ActionIndex
 from rosoclingo.oclingo.solving.definitions import HOLDS
 from rosoclingo.oclingo.solving.results import NOT_EXTERNAL, refusing, unused_facts
 from rosoclingo.oclingo.solving.stepwise_grounding import Parts, StepwiseGrounding
-from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StateItem, TimedStatement
+from rosoclingo.oclingo.solving.stream_state import ClosedHeads, ForgottenSteps, StateItem, TimedStatement
 from rosoclingo.planning.assumables import Assumables
 from rosoclingo.planning.horizons import HorizonLiterals
 from rosoclingo.planning.prediction import PredictedReturns, predict
@@ -183,9 +183,9 @@ class Grounding(StepwiseGrounding):
 
         With known actions and facts, these steps are small: most of their atoms are facts or false. No stop ends this.
         """
-        if not self.grows:
-            return
         snapshot, first = self.snapshot, self.horizon + 1
+        if not self.grows or any(isinstance(one, ForgottenSteps) for one in snapshot.items):
+            return  # forgotten steps ignore some facts
         committed = {one.body[0].atom for one in snapshot.permanent if one.is_commitment} - self.assumable
         facts, kept = snapshot.permanent_facts(self.assumable), self._undecided_heads()
         end = min(horizon, snapshot.closed_until(first))

@@ -4,7 +4,7 @@ from dataclasses import replace
 from unittest import mock
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from plain_walk import LINE, next_update
 from random_streams import PARTS, UPDATES, without_undeclared
@@ -185,10 +185,12 @@ FACTS_ABOUT_IT = st.one_of(
     st.builds("p({0}) :- q({0}). q({0}).".format, st.integers(1, 3)),
     st.builds(":- at({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
     st.builds("#assert : a. _wet({},{}).".format, st.integers(3, 7), st.integers(1, 9)),
+    st.builds("#forget {0}..{0}.".format, st.integers(1, 5)),
 )
 
 
 @pytest.mark.slow
+@example([-1, -1], ["#forget 1..1.", "seen(1)."], 1, 0)
 @given(
     st.lists(st.sampled_from([-1, 0, 1]), min_size=1, max_size=7),
     st.lists(FACTS_ABOUT_IT, max_size=7),
