@@ -1,6 +1,7 @@
 """Compaction: later groundings contain decided steps as facts, so that a long stream costs no more than a short one.
 
-Let R be the ground rules of the first steps. Each atom of R must be fixed: true in all answers or in none, for all
+Let R be the ground rules of the first steps; a program with theory atoms or edges of a graph means more than these
+and is not compacted. Each atom of R must be fixed: true in all answers or in none, for all
 possible updates. No statement with a body may define an atom of R. R is dropped, and the rest of the program gets
 
 * a fact for each true atom that R or a fact of the stream defines, and
@@ -27,6 +28,7 @@ from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import Question, Stop, never
+from rosoclingo.planning.return_rules import is_opaque
 from rosoclingo.planning.snapshot import Past, Snapshot
 
 SHOWN_STEPS = 10
@@ -40,7 +42,7 @@ def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped:
     in force. Raises like :class:`Grounding`.
     """
     start, end = first_open(program, snapshot), end_of_past(program, snapshot)
-    if end <= start or any(snapshot.lapsing):
+    if end <= start or any(snapshot.lapsing) or is_opaque(program):
         return None
     grounding = _past(program, snapshot, plan, stopped)
     if grounding.shown is None or grounding.is_cyclic:

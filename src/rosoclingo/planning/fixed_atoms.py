@@ -48,7 +48,6 @@ class _Rules(Observer):
     def __init__(self) -> None:
         self.heads: Set[int] = set()
         self.others: Set[int] = set()
-        self.is_opaque = False
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Record a rule."""
@@ -62,14 +61,6 @@ class _Rules(Observer):
     def external(self, atom: int, value: clingo.TruthValue) -> None:
         """Record an external."""
         self.others.add(atom)
-
-    def acyc_edge(self, node_u: int, node_v: int, condition: Sequence[int]) -> None:
-        """Record that the program has edges, which form one graph over all steps."""
-        self.is_opaque = True
-
-    def theory_atom(self, atom_id_or_zero: int, term_id: int, elements: Sequence[int]) -> None:
-        """Record that the program has theory atoms."""
-        self.is_opaque = True
 
 
 class _Values(Propagator):
@@ -101,8 +92,8 @@ _Block = Tuple[range, FrozenSet[clingo.Symbol], FrozenSet[clingo.Symbol]]
 """The steps of a block, the atoms in heads of its rules, and all atoms in its rules."""
 
 
-def _reground(grounding: Grounding, end: int) -> Tuple[_Rules, List[_Block]]:
-    """Ground the program again; return its rules, and base followed by the blocks that end before step ``end``."""
+def _reground(grounding: Grounding, end: int) -> List[_Block]:
+    """Ground the program again; return base, followed by the blocks that end before step ``end``."""
     rules, found = _Rules(), []  # type: _Rules, List[Tuple[range, Set[int], Set[int]]]
     control = clingo.Control(grounding.program.arguments(), logger=lambda code, text: None)
     control.register_observer(rules, replace=True)
@@ -121,17 +112,17 @@ def _reground(grounding: Grounding, end: int) -> Tuple[_Rules, List[_Block]]:
     def named(literals: Set[int]) -> FrozenSet[clingo.Symbol]:
         return frozenset(names[one] for one in literals & names.keys())
 
-    return rules, [(steps, named(heads), named(atoms)) for steps, heads, atoms in found]
+    return [(steps, named(heads), named(atoms)) for steps, heads, atoms in found]
 
 
 def fixed_atoms(grounding: Grounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
     """Return the fixed atoms of the grounded steps before ``end``; the ``open_atoms`` count as not fixed."""
-    rules, ((_, _, base), *blocks) = _reground(grounding, end)
+    (_, _, base), *blocks = _reground(grounding, end)
     fixed = _Values(base.union(*(atoms for _, _, atoms in blocks)) - open_atoms)
     grounding.inspect(fixed)
     first, steps, defined = grounding.past.first, {}, set()  # type: int, Dict[clingo.Symbol, int], Set[clingo.Symbol]
     for block, heads, atoms in blocks:
-        if rules.is_opaque or not fixed.values.keys() >= atoms:
+        if not fixed.values.keys() >= atoms:
             break
         first = block[-1] + 1
         defined |= heads

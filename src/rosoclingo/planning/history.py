@@ -282,10 +282,6 @@ class History:
         history._snapshot = snapshot
         return history if self.plan is None else history.with_entries(AdoptedPlan(self.plan))
 
-    def is_longer(self, limit: int, snapshot: Snapshot) -> bool:
-        """Return whether there are more than ``limit`` updates to fold; a larger ``snapshot`` raises the limit."""
-        return self.length > max(limit, snapshot.size // 100)
-
 
 def fold(snapshot: Snapshot, entry: Optional[Entry], program: ReactiveProgram) -> Snapshot:
     """Return the snapshot after one more entry."""

@@ -74,14 +74,12 @@ def is_predictable(program: ReactiveProgram) -> bool:
 def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
     """Return the auxiliary rules of a program; None if it uses returns in other ways than as single body literals."""
     parts, constants = program.parts, program.values
-    if not _actions_are_timely(parts, constants):
+    if is_opaque(program) or not _actions_are_timely(parts, constants):
         return None
     texts: List[Tuple[str, List[str], str]] = []
     with_actions: Set[int] = set()
     for part in parts:
         for statement, found in part.found:
-            if _is_opaque(statement):
-                return None
             returns = [one for one in found if one.signature == RETURN]
             if not _depends_on_returns(statement, returns):
                 continue
@@ -108,8 +106,12 @@ def _offset(term: Node, parameter: str, constants: Constants) -> Optional[int]:
     return time_offset(term.arguments[-1], parameter, dict(constants)) if parameter else None
 
 
+def is_opaque(program: ReactiveProgram) -> bool:
+    """Return whether the meaning of a program is not in its rules: it has theory atoms or edges of a graph."""
+    return any(_is_opaque(statement) for part in program.parts for statement in part.statements)
+
+
 def _is_opaque(statement: Node) -> bool:
-    """Return whether the meaning of ``statement`` is not in its rules: it has theory atoms or edges of a graph."""
     atoms = [literal.atom for literal in _body(statement) if literal.ast_type == ASTType.Literal]
     heads = [statement.head] if statement.ast_type == ASTType.Rule else []
     theory = any(one.ast_type == ASTType.TheoryAtom for one in (*atoms, *heads))

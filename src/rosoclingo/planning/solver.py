@@ -140,7 +140,7 @@ class PlanSolver(PlanningSolver):
         if self._steps_to_check >= MANY_STEPS:
             with suppress(StoppedError):
                 self.checkpoint(stopped)
-        elif self.log.is_longer(self._log_limit, self.snapshot):
+        elif self.log.length > max(self._log_limit, self.snapshot.size // 100):  # to write a large one takes long
             self._replace_log(self.log.checkpoint(self.snapshot))
         return result
 
