@@ -105,7 +105,6 @@ class HeadRule(NamedTuple):
 
     Attributes:
         statement: the statement.
-        parameter: the name of its step, empty in base.
         head: an atom of its head.
         body: the positive atoms of its body and condition.
         comparisons: the comparisons of its body and condition.
@@ -113,7 +112,6 @@ class HeadRule(NamedTuple):
     """
 
     statement: Node
-    parameter: str
     head: Condition
     body: Tuple[Condition, ...]
     comparisons: Tuple[Comparison, ...]
@@ -207,7 +205,7 @@ class Reach:
             body = tuple(self._condition(one, step) for one in symbols if one.ast_type != ASTType.Pool)
             compared = [one for one in atoms if one.ast_type == ASTType.Comparison]
             comparisons = tuple(found for one in compared for found in self._comparisons(one, step))
-            yield HeadRule(statement, step, _inlined(head, body, comparisons), body, comparisons)
+            yield HeadRule(statement, _inlined(head, body, comparisons), body, comparisons)
 
     def _core_rules(self) -> List[HeadRule]:
         """Return a rule for the external ``_running``, which the core states only about actions of the program."""
