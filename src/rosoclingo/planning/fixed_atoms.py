@@ -41,7 +41,6 @@ class _Rules(Observer):
     Attributes:
         heads: literals of heads.
         others: literals of bodies, and externals.
-        is_opaque: whether the program has edges or theory atoms, whose meaning the rules do not show.
 
     """
 

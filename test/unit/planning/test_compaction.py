@@ -12,7 +12,7 @@ from stream_logs import copied
 from stream_play import atoms, planner_of, play
 from workloads import sized
 
-from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom
+from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Statement
 from rosoclingo.planning import grounding
 from rosoclingo.planning.grounding import Grounding
@@ -218,3 +218,12 @@ def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block,
                 one.grow_to(last)
             found.append(set(one.ask(Question(last, last, models=0), lambda: False).answers))
     assert found[:2] == found[2:4] == found[4:]
+
+
+@pytest.mark.slow
+def test_past_of_a_robot_is_compacted_up_to_the_steps_that_are_over():
+    solver = PlanSolver(CORRIDOR_PROGRAM, plan_time=0.0)
+    solver.update(parse_update("#step 1 : 20. _request(9,2). _request(1,2). #endstep."))
+    for cycle in range(1, 10):
+        assert solver.search(next_update(solver, further=[Expire(cycle)]), lambda: False).answers
+        assert cycle < 3 or first(solver) == cycle
