@@ -1,11 +1,9 @@
-"""Random control programs in a small domain, and their representations: terms for the encoding, and text."""
+"""Random control programs in a small domain."""
 
-from golog_interpreter import put
 from hypothesis import strategies as st
 
 FLUENTS = (("f",), ("g",), ("h", 1), ("h", 2))
 ACTIONS = (("a",), ("b",), ("c",), ("e", 1), ("e", 2))
-END = ("z",)
 
 
 class Toy:
@@ -67,6 +65,9 @@ leaves = (
 inner = st.tuples(st.just("do"), st.sampled_from([*ACTIONS, ("e", "X")])) | st.tuples(st.just("test"), with_x)
 
 
+chosen = st.just("X"), st.just((1, 2)), with_x
+
+
 def larger(p):
     """Generate programs made of others."""
     x = st.tuples(st.just("seq"), inner, p) | inner
@@ -78,7 +79,8 @@ def larger(p):
         st.tuples(st.sampled_from(["star", "search"]), p),
         st.tuples(st.just("order"), st.lists(p, min_size=1, max_size=3).map(tuple)),
         st.tuples(st.just("retry"), st.integers(0, 2), p),
-        st.tuples(st.sampled_from(["pick", "every"]), st.just("X"), st.just((1, 2)), with_x, x),
+        st.tuples(st.just("pick"), *chosen, x),
+        st.tuples(st.just("prio"), st.tuples(st.just("every"), *chosen, x), st.tuples(st.just("await"), conditions)),
     )
 
 
@@ -96,70 +98,3 @@ PROCEDURES = {
         ("seq", ("do", ("e", "N")), ("if", ("less", 1, "N"), ("call", "q", (("minus", "N", 1),)), ("nil",))),
     ),
 }
-
-# ---- as terms --------------------------------------------------------------------------------------------------------
-
-
-class Terms:
-    """Writes programs as terms; ``facts`` holds the options of pick and every."""
-
-    def __init__(self):
-        self.facts, self._numbers = "", {}
-
-    def program(self, one):
-        """Return a program without variables as a term."""
-        kind, *parts = one
-        if kind in ("nil", "any"):
-            return kind
-        if kind == "do":
-            return f"do({self.atom(parts[0])})"
-        if kind in ("test", "await"):
-            return f"{kind}({self.condition(parts[0])})"
-        if kind in ("if", "while"):
-            inside = ",".join(map(self.program, parts[1:]))
-            return f"{kind}({self.condition(parts[0])},{inside})"
-        if kind in ("pick", "every"):
-            return f"{kind}({self.options(one)})"
-        if kind == "order":
-            return "order({}end{})".format("".join(f"l({self.program(p)}," for p in parts[0]), ")" * len(parts[0]))
-        if kind == "retry":
-            return f"retry({parts[0]},{self.program(parts[1])})"
-        if kind == "call":
-            return f"call({self.atom((parts[0], *parts[1]))})"
-        return f"{kind}({','.join(map(self.program, parts))})"
-
-    def options(self, one):
-        """Return the name of the options of a pick or every."""
-        key = one[1:]
-        if key not in self._numbers:
-            self._numbers[key] = name = f"k({len(self._numbers)})"
-            _, values, condition, body = key
-            for value in values:
-                text, when = self.program(put(body, "X", value)), self.condition(put(condition, "X", value))
-                self.facts += f"golog_option({name},{text},t) :- golog_picks({name},t), golog_true({when},t).\n"
-                self.facts += f"golog_asked({when},t) :- golog_picks({name},t).\n"
-        return self._numbers[key]
-
-    def condition(self, one):
-        """Return a condition as a term."""
-        words = {"not": "neg", "and": "both", "or": "either"}
-        if one[0] in words:
-            return f"{words[one[0]]}({','.join(map(self.condition, one[1:]))})"
-        if one[0] == "less":
-            return "true" if one[1] < one[2] else "neg(true)"
-        return self.atom(one)
-
-    @staticmethod
-    def atom(one):
-        """Return an action or a fluent as a term."""
-        arguments = [f"{part[1]}-{part[2]}" if isinstance(part, tuple) else str(part) for part in one[1:]]
-        return one[0] + (f"({','.join(arguments)})" if arguments else "")
-
-
-#: The procedures of PROCEDURES.
-PROCEDURE_RULES = """
-golog_body(p,seq(do(c),choice(nil,seq(call(p),do(a)))),t) :- golog_call(p,t).
-golog_body(q(N),seq(do(e(N)),call(down(N))),t) :- golog_call(q(N),t).
-golog_body(down(N),call(q(N-1)),t) :- golog_call(down(N),t), 1 < N.
-golog_body(down(N),nil,t) :- golog_call(down(N),t), 1 >= N.
-"""

@@ -1,12 +1,15 @@
-"""Random control programs as text, in the language of .golog files."""
+"""Control programs as text, in the language of .golog files, and their translation."""
 
 from golog_programs import PROCEDURES
 
+from rosoclingo.golog import translate
 
-def program_text(name, program):
-    """Return a file with a procedure that is this program, and the procedures that it can call."""
-    texts = [_procedure(name, (), program), *(_procedure(one, *parts) for one, parts in PROCEDURES.items())]
-    return "\n".join(texts)
+
+def translated(programs):
+    """Return the rules of a step ``t`` for programs by name, and for the procedures that they can call."""
+    procedures = {**{name: ((), program) for name, program in programs.items()}, **PROCEDURES}
+    text = "\n".join(_procedure(name, *parts) for name, parts in procedures.items())
+    return translate(text, "main.golog").text.replace("_step", "t")
 
 
 def _procedure(name, parameters, body):
@@ -29,6 +32,8 @@ WORDS = {
 def statement(one):
     """Return a program as statements."""
     kind, *parts = one
+    if kind == "prio" and parts[0][0] == "every":
+        return f"interrupts {{ when {chosen(*parts[0][1:])} }} until {condition(parts[1][1])};"
     if kind in WORDS:
         parts = parts[0] if kind == "order" else parts
         return WORDS[kind][0] + blocks(parts, WORDS[kind][1]) if parts[1:] or kind != "order" else statement(parts[0])
@@ -36,12 +41,15 @@ def statement(one):
         return f"retry {parts[0]}{blocks(parts[1:], '')}"
     if kind in ("if", "while"):
         return f"{kind} {condition(parts[0])}{blocks(parts[1:], ' else ')}"
-    if kind in ("pick", "every"):
-        variable, values, asked, body = parts
-        head = f"{variable}: {condition(asked)} and {variable} in {{{', '.join(map(str, values))}}}"
-        body = f"{head} {{ {statement(body)} }}"
-        return f"pick {body}" if kind == "pick" else f"prefer {{ interrupts {{ when {body} }} until true; }} over {{ }}"
+    if kind == "pick":
+        return f"pick {chosen(*parts)}"
     return simple(kind, *parts)
+
+
+def chosen(variable, values, asked, body):
+    """Return a program for each value of a variable that satisfies a condition."""
+    values = ", ".join(map(str, values))
+    return f"{variable}: {condition(asked)} and {variable} in {{{values}}} {{ {statement(body)} }}"
 
 
 def blocks(parts, between):

@@ -1,9 +1,10 @@
-"""The action sequences that the encoding allows for a control program, in the small domain of golog_programs."""
+"""The action sequences that encoding and translation allow for a control program in the domain of golog_programs."""
 
 import re
 
 import clingo
-from golog_programs import END, PROCEDURE_RULES, TOY, Terms
+from golog_programs import TOY
+from golog_text import atom, translated
 from shipped import ENCODINGS
 
 OPEN = re.compile(r"^#external \w+/\d\.", re.MULTILINE)
@@ -24,19 +25,17 @@ golog_does(z,last,z).
 """
 
 
-def encoded_traces(program, state, longest, rules=PROCEDURE_RULES):
+def encoded_traces(program, state, longest):
     """Return all sequences of at most ``longest`` actions after which the program can end.
 
     As a program ends as soon as it can, an action follows it.
     """
-    terms = Terms()
-    text = terms.program(("seq", program, ("do", END)))
-    starts = "".join(f"holds({Terms.atom(one)},1) :- t=1.\n" for one in state)
+    starts = "".join(f"holds({atom(one)},1) :- t=1.\n" for one in state)
     control = clingo.Control(["0", "-Wnone"])
     for part in ENGINE:
         control.add("base", [], part)
-    control.add("base", [], TOY + f"#program cumulative(t).\n{rules}{terms.facts}{starts}{WHOLE}")
-    control.add("base", [], f"_g_starts(g,{text},1).")
+    control.add("base", [], TOY + f"{translated({'main': program})}{starts}{WHOLE}")
+    control.add("base", [], "_g_starts(g,seq(call(main),do(z)),1).")
     control.ground([("base", [])])
     for step in range(1, longest + 3):
         control.ground([("cumulative", [clingo.Number(step)])])

@@ -2,8 +2,9 @@
 
 import clingo
 import pytest
-from golog_programs import ACTIONS, FLUENTS, PROCEDURE_RULES, PROCEDURES, TOY, Terms, Toy, programs
+from golog_programs import ACTIONS, FLUENTS, PROCEDURES, TOY, Toy, programs
 from golog_runs import Runs
+from golog_text import atom, translated
 from golog_traces import ENGINE, OPEN
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
@@ -36,18 +37,16 @@ class Play:
 
     def __init__(self, data):
         self.facts, self.constraints, self.expected = [], [], set()
-        self.terms = Terms()
-        self.runs = Runs(Toy, PROCEDURES)
+        self.programs, self.runs = {}, Runs(Toy, PROCEDURES)
         for step in range(1, STEPS + 1):
             self.step(data, step)
-        self.rules = PROCEDURE_RULES + self.terms.facts
 
     def step(self, data, step):
         """Play one step."""
         happens = data.draw(st.none() | st.tuples(st.sampled_from(FLUENTS), st.booleans()), label="event")
         if happens is not None and step > 1:
             self.runs.happen(*happens)
-            self.facts.append(f"event({Terms.atom(happens[0])},{'yes' if happens[1] else 'no'},{step})")
+            self.facts.append(f"event({atom(happens[0])},{'yes' if happens[1] else 'no'},{step})")
         idle = [name for name in ("g", "h") if ("run", name) not in self.runs.left]
         asked = {name: self.ask(data, name, step) for name in idle if data.draw(st.booleans(), label="asked")}
         known = [name for name in ("g", "h") if name in self.runs.how or name in asked]
@@ -62,10 +61,10 @@ class Play:
     def ask(self, data, name, step):
         """Request a program, which can be unknown, a repetition, or another one."""
         program = data.draw(st.none() | programs() | programs(), label=name)
-        number = len(self.facts)
-        self.facts.append(f"_request(run(p({number}),{name}),{step + 1})")
+        procedure = f"main{len(self.facts)}"
+        self.facts.append(f"_request(run({procedure},{name}),{step + 1})")
         if program is not None:
-            self.facts.append(f"golog_procedure(p({number}),{self.terms.program(program)})")
+            self.programs[procedure] = program
         return program
 
     def tell(self, step):
@@ -74,7 +73,7 @@ class Play:
             self.expected.add(f"status({name},{how},{step})")
         for key in self.runs.left:
             shown = "{}({})".format(*key)
-            self.expected |= {f"offers({shown},{Terms.atom(one)},{step})" for one in self.runs.offers(key)}
+            self.expected |= {f"offers({shown},{atom(one)},{step})" for one in self.runs.offers(key)}
             if self.runs.waits(key):
                 self.expected.add(f"waits({shown},{step})")
 
@@ -88,8 +87,8 @@ class Play:
         if action is None:
             self.constraints.append(f":- _action_lib(N,X,{step}).")
         else:
-            self.constraints.append(f":- not _action_lib(act,{Terms.atom(action)},{step}).")
-            self.facts.append(f"_return(act,{Terms.atom(action) if worked else 'broken'},{step})")
+            self.constraints.append(f":- not _action_lib(act,{atom(action)},{step}).")
+            self.facts.append(f"_return(act,{atom(action) if worked else 'broken'},{step})")
             self.facts += [] if worked else [f"_failed(act,broken,{step})"]
         self.runs.act(action, worked, free)
 
@@ -97,7 +96,7 @@ class Play:
         """Return the atoms that the encoding shows, given all events."""
         control = clingo.Control(["0", "-Wnone"])
         facts = "".join(f"{one}. " for one in self.facts)
-        for part in (*ENGINE, GOALS, TOY, PLAYED, f"#program cumulative(t).\n{self.rules}", f"#program base.\n{facts}"):
+        for part in (*ENGINE, GOALS, TOY, PLAYED, translated(self.programs), f"#program base.\n{facts}"):
             control.add("base", [], part)
         control.ground([("base", [])])
         for step in range(1, STEPS + 1):
