@@ -181,6 +181,7 @@ def _atoms_after_request(*facts):
     return max(one.atoms for one in solvers)
 
 
+@pytest.mark.slow
 def test_fleet_plans_with_lost_robots_are_not_much_larger():
     """The paths around a lost robot are computed once, from the known state, not for each possible one."""
     assert _atoms_after_request("_lost(r3,now)") < 2 * _atoms_after_request()

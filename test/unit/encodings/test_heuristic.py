@@ -42,7 +42,7 @@ def ground(program, requests, horizon, facts=()):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("file", ["heuristic.lp", "search.lp"])
+@pytest.mark.parametrize("file", ["heuristic.lp", "search.lp", "faults.lp"])
 @ANSWERS
 @given(st.data())
 def test_heuristic_changes_no_answer(file, data):

@@ -29,6 +29,7 @@ done(I,t) :- left(I,1,t), _action_lib(go,I,t).
 
 WORDS = """
 _explain(I,(R," is unreachable"),t) :- asked(R,I,t).
+_explain(I,"an earlier reason",t-1) :- asked(R,I,t).
 _explain(_return(enter,V,t),("the way to ",R," was ",V," in cycle ",t),t) :- failed(R,t), _return(enter,V,t).
 """
 

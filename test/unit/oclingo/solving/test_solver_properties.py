@@ -1,6 +1,6 @@
 """The incremental solver agrees with a reference that solves the accumulated program after each update."""
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_streams import PARTS, UPDATES, without_undeclared
 from solver_reference import Reference
@@ -8,8 +8,9 @@ from solver_reference import Reference
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, SolveOutcome
 
 
-def compare(parts, updates):
-    """Play the updates on both solvers and compare their results."""
+@settings(max_examples=settings.default.max_examples * 4)
+@given(PARTS, st.lists(UPDATES, min_size=1, max_size=5))
+def test_random_streams_have_answers_of_a_fresh_solver(parts, updates):
     reference = Reference(parts)
     solver = ReactiveSolver(ReactiveProgram.from_text(parts.text()), models=0)
     for update in updates:
@@ -24,8 +25,3 @@ def compare(parts, updates):
             return
         # a fact that is already permanently true is ignored without a warning
         assert sum("declared external" in warning for warning in result.warnings) <= ignored
-
-
-@given(PARTS, st.lists(UPDATES, min_size=1, max_size=5))
-def test_random_streams_have_answers_of_a_fresh_solver(parts, updates):
-    compare(parts, updates)
