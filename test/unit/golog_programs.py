@@ -84,10 +84,10 @@ def larger(p):
     )
 
 
-def programs(calls=True, leaves_at_most=6):
+def programs():
     """Generate programs; calls refer to these procedures, in which an action precedes any call."""
     call = st.just(("call", "p", ())) | st.tuples(st.just("call"), st.just("q"), st.sampled_from([(1,), (2,)]))
-    return st.recursive(leaves | call if calls else leaves, larger, max_leaves=leaves_at_most)
+    return st.recursive(leaves | call, larger, max_leaves=6)
 
 
 #: Procedures with recursive bodies: p of any length, q down from a number.

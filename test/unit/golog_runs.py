@@ -14,9 +14,9 @@ class Runs:
     the ends, then ``act``. ``how`` gives the state of the last request of a name.
     """
 
-    def __init__(self, domain, procedures, state=frozenset()):
+    def __init__(self, domain, procedures):
         self.interpreter = Interpreter(domain, procedures)
-        self.domain, self.state = domain, state
+        self.domain, self.state = domain, frozenset()
         self.left, self.how, self.fails, self.owed = {}, {}, {}, set()
 
     def happen(self, fluent, value):

@@ -56,9 +56,9 @@ def program(name):
     return tuple(Source(f"{name}.lp", one["program"]) for one in GOLDEN if one["name"] == name)
 
 
-def marked(seeds, quick=4):
+def marked(seeds):
     """Return the rows of a table of tests, those of large programs marked as slow, except for the first ones."""
-    large = [one for one in seeds if one[0] in ("mailbot", "house")][quick:]
+    large = [one for one in seeds if one[0] in ("mailbot", "house")][4:]
     return [pytest.param(*one, marks=pytest.mark.slow if one in large else []) for one in seeds]
 
 

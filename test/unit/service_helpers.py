@@ -124,9 +124,9 @@ class Running:
 
 
 @contextlib.contextmanager
-def running(text, models=0, horizon_limit=None, **options):
+def running(text, models=0, **options):
     """Serve the program ``text`` by a solver process."""
-    with WorkerPool(ReactiveProgram.from_text(text), models=models, horizon_limit=horizon_limit) as process:
+    with WorkerPool(ReactiveProgram.from_text(text), models=models) as process:
         process.start()
         service = Running(process, **options)
         try:

@@ -1,4 +1,4 @@
-"""The names in the shared delivery rules: few concern a domain, and few connect the files."""
+"""The names in the shared delivery rules: few concern a domain."""
 
 import re
 
@@ -13,21 +13,17 @@ from rosoclingo.oclingo.program.sources import Source, read_sources
 FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))
 
 
-def statements(*files):
-    parsed = [read_sources([Source.from_file(file)], Directives(), []) for file in files]
+def statements():
+    parsed = [read_sources([Source.from_file(file)], Directives(), []) for file in FILES]
     return [one for sources in parsed for source in sources for one in source.statements]
 
 
-def predicates(head, *files):
-    """Return the predicates in heads, or those in bodies and conditions."""
-    found = (one for statement in statements(*files) for one in occurrences(statement))
-    return {one.signature for one in found if one.head == head}
-
-
-def shown(*files):
-    """Return the terms of `#show` statements."""
-    terms = [one.term for one in statements(*files) if one.ast_type == ASTType.ShowTerm]
-    return {Signature(one.name, len(one.arguments)) for one in terms}
+def defined():
+    """Return the predicates in heads, and the terms of `#show` statements."""
+    rules = statements()
+    terms = [one.term for one in rules if one.ast_type == ASTType.ShowTerm]
+    heads = {one.signature for statement in rules for one in occurrences(statement) if one.head}
+    return heads | {Signature(one.name, len(one.arguments)) for one in terms}
 
 
 def listed(file):
@@ -39,20 +35,10 @@ def listed(file):
 
 
 @pytest.mark.slow
-def test_delivery_failure_rules_use_only_listed_hooks():
-    rules = [ENCODINGS / "delivery" / name for name in ("requests.lp", "rules.lp", "statuses.lp")]
-    others = [file for file in FILES if file not in rules]
-    assert len(others) == 6
-    hooks = predicates(False, *rules) & (predicates(True, *others) - predicates(True, *rules))
-    assert hooks == listed(ENCODINGS / "delivery" / "rules.lp")
-    assert len(hooks) <= 8
-
-
-@pytest.mark.slow
 def test_delivery_names_are_listed_or_begin_with_underscore():
     known = listed(ENCODINGS / "delivery.lp") | listed(ENCODINGS / "delivery" / "rules.lp")
     assert Signature("place", 1) in known
-    names = {one for one in predicates(True, *FILES) | shown(*FILES) if not one.name.startswith("_")}
+    names = {one for one in defined() if not one.name.startswith("_")}
     assert names <= known
     given = {one.name for one in known - names if not one.name.startswith("_")}
     assert given == {"place", "connection", "distance", "start", "kind", "cancel", "order", "refused", "later"}

@@ -22,10 +22,10 @@ RUNS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
 
 
-def program(corridors, starts, room=1, **constants):
+def program(corridors, starts, **constants):
     """Return the fleet's program on a floor."""
     offices = sorted({one for pair in corridors for one in pair})
-    facts = [f"office(office{one}). room(office{one},{room})." for one in offices]
+    facts = [f"office(office{one}). room(office{one},1)." for one in offices]
     facts += [f"corridor(office{a},office{b})." for a, b in corridors]
     facts += [f"start({robot},office{office})." for robot, office in starts.items()]
     floor = Source("floor", "#program base.\n" + "\n".join(facts) + "\n")
@@ -42,11 +42,11 @@ class Fleet(Driver):
 
     """
 
-    def __init__(self, corridors, starts, room=1, solver=soon, **constants):
+    def __init__(self, corridors, starts, solver=soon, **constants):
         floor = Floor("test", max(max(pair) for pair in corridors), frozenset(corridors))
         used = dict(sorted(starts.items())[: constants.get("robots")])
-        self.world, self.under_way, self._seen = FleetWorld(floor, used, room), {}, 0
-        super().__init__(program=program(corridors, starts, room, **constants), solver=solver, settings=CoreSettings())
+        self.world, self.under_way, self._seen = FleetWorld(floor, used, 1), {}, 0
+        super().__init__(program=program(corridors, starts, **constants), solver=solver, settings=CoreSettings())
 
     def run(self):
         """Advance, and begin the actions that the core has sent."""

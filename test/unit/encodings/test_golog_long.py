@@ -11,13 +11,7 @@ from rosoclingo.reasoning import stream_planner
 PROGRAMS = """
 proc watch { prefer { interrupts { when f { c; await not f; } } until g; } over { await g; } }
 proc errand { do { try { a; b; } else { d; } a; } on cancel { tidy; } }
-proc row { alone { %s } }
 """
-
-
-def program(length=1):
-    """Return the domain with these programs; ``row`` repeats two actions a number of times."""
-    return domain_with(PROGRAMS % ("a; b; " * length), "#show _g_reach/3.")
 
 
 #: Rounds of a program that never ends; each takes at least four cycles.
@@ -34,7 +28,7 @@ def at_once(monkeypatch):
 
 @pytest.mark.slow
 def test_golog_endless_program_keeps_a_bounded_past():
-    solver = shortest(program())
+    solver = shortest(domain_with(PROGRAMS))
     driver = Driver(program=solver.program, solver=lambda _: solver)
     driver.goal("watch", "run(watch,0)")
     sizes = []

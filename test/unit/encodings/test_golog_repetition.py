@@ -54,9 +54,7 @@ HAPPENED = st.one_of(
     st.tuples(st.just("retract"), st.integers(0, 3)),
     st.tuples(st.just("succeed")),
     st.tuples(st.just("fail"), st.sampled_from(["stuck", "preempted"])),
-    st.tuples(
-        st.just("facts"), st.builds("{}({},now)".format, st.sampled_from(["_set", "_unset"]), st.sampled_from(FLUENTS))
-    ),
+    st.tuples(st.just("facts"), FACTS),
 )
 
 

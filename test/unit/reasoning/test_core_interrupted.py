@@ -80,7 +80,9 @@ def test_core_restarted_program_has_only_new_goals():
     updates = [" ".join(text.split()[1:-2]) for text in driver.journal.updates[2:]]
     assert updates == ["3. #anew.", "4. _request(do(run,2),5)."]
     assert sum(text.startswith("ERROR: ") for text in driver.problems) == 1
-    assert [event.cycle for event in driver.journal.of(PlanMade)] == [1, 1, 2, 3, 3, 4]
+    plans = driver.journal.of(PlanMade)
+    assert [event.cycle for event in plans] == [1, 1, 2, 3, 3, 4]
+    assert [str(action.atom) for action in plans[-1].actions[:2]] == driver.journal.actions[:2], "the past stays"
     play(driver, "facts _battery(high,9) _return(run,2,4); sends ..._battery(high,9)...; is b succeeded")
 
 

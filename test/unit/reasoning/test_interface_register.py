@@ -16,10 +16,10 @@ def register(**announced):
     return found
 
 
-def looked(found, awaited, listening=NODES, speaking=NODES, first=0.0):
+def looked(found, awaited, first=0.0):
     """Return the missing interfaces after GRACE."""
-    assert found.look(awaited, listening, speaking, first) == []
-    return [(one.action, one.text, one.new) for one in found.look(awaited, listening, speaking, first + GRACE)]
+    assert found.look(awaited, NODES, NODES, first) == []
+    return [(one.action, one.text, one.new) for one in found.look(awaited, NODES, NODES, first + GRACE)]
 
 
 def test_register_reports_action_without_interface_and_alternatives():

@@ -6,10 +6,7 @@ import pytest
 from busy_driver import BusyDriver
 from core_scripts import play, scripts
 from hypothesis import settings
-from office_world import OFFICES, World
-from shipped import shipped
 from test_admission import numbers_of
-from workloads import sized
 
 from rosoclingo.reasoning.admission import SHARE
 from rosoclingo.reasoning.events import GoalChanged
@@ -97,22 +94,17 @@ def test_queued_goals_are_admitted_up_to_planning_capacity():
     assert len(joins) < 10, "they join together"
 
 
-def stream(limit, plan_time=None):
-    """Return the ends of a series of errands whose far one ends last; each completed one is replaced."""
+@pytest.mark.slow
+def test_far_goal_is_overtaken_only_for_limited_time():
+    """The far errand would end last; each completed one is replaced."""
+    limit = 3
     settings = CoreSettings(horizon_limit=40, overtaking_limit=limit)
-    driver = BusyDriver(settings=settings, most=99, plan_time=plan_time)
+    driver = BusyDriver(settings=settings, most=99, plan_time=0.0)
     driver.core.add_goal("far", "do(far,0)")
     for near in range(1, 31):
         ask(driver, near)
         if near > 1:
             driver.run().succeed()
-    return driver
-
-
-@pytest.mark.mostly_slow
-@pytest.mark.parametrize(("limit", "plan_time"), [(3, 0.0), (5, None)])
-def test_far_goal_is_overtaken_only_for_limited_time(limit, plan_time):
-    driver = stream(limit, plan_time)
     order = driver.order()
     assert "far" in order
     assert limit <= order.index("far") <= limit + 1, "those that were with the program by then"
@@ -143,37 +135,3 @@ def test_many_goals_with_failures_and_interrupted_searches_end():
     assert hopeless
     assert driver.core.live_goals == []
     assert max(driver.searches) > 5
-
-
-#: Corrections about things that nobody has requested.
-OTHERS = ("_lies(777,office1,now)", "_off(776,now)", "_aboard(775,now)", "_off(775,now)")
-
-
-@pytest.mark.slow
-@pytest.mark.once
-@pytest.mark.parametrize(("seed", "corrections"), [(6, OTHERS), *sized([], [(1, ()), (8, OTHERS)])])
-def test_packages_are_delivered_despite_interrupted_searches(seed, corrections):
-    """The world is modelled independently of the program; a package picked up for a queued goal is not forgotten."""
-    program = shipped("mailbot.lp", "office.lp")
-    driver = BusyDriver(program=program, settings=CoreSettings(horizon_limit=60), most=2, chance=0.3, plan_time=0.0)
-    world, draw, wanted, fails = World(), Random(seed), {}, False
-    packages, at_once = sized((3, 3), (14, 7))
-    for _ in range(400):
-        while len(wanted) < packages and len(driver.core.live_goals) < at_once:
-            start, end = draw.sample(OFFICES, 2)
-            number = str(len(wanted) + 1)
-            wanted[number], world.places[number] = end, start
-            driver.core.add_goal(f"g{number}", f"goal({start},{end},{number})")
-        driver.run()
-        if not driver.core.awaited:
-            break
-        for action in driver.core.awaited:
-            fails = not fails and draw.random() < 0.1  # three times in a row end a goal
-            if not fails:
-                world.do(action)
-            value = "failed" if fails else action.parameter
-            reported = [draw.choice(corrections)] if corrections and draw.random() < 0.3 else []
-            driver.core.receive("world", [*reported, f"_return({action.interface},{value},{action.cycle})"])
-    assert {number: world.places[number] for number in wanted} == wanted
-    assert set(ends(driver).values()) == {Outcome.SUCCEEDED}
-    assert any(driver.waits(f"g{number}") for number in wanted)

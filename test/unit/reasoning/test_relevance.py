@@ -49,8 +49,8 @@ def visits():
     return RelevanceAnalysis(ReactiveProgram.from_text(VISITS, "visits.lp"))
 
 
-def is_relevant(relevance, goal, cycle=2):
-    return relevance.is_relevant(parse_atom(f"_request({goal},{cycle})"))
+def is_relevant(relevance, goal):
+    return relevance.is_relevant(parse_atom(f"_request({goal},2)"))
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,10 @@ def test_lint_accepts_programs_that_only_look_wrong(kind, text):
         ),
         ({"pair": "7", "odd": "7", "back": "7"}, []),  # their values are not numbers
         ({"f": "1"}, [("unknown-constant", "the program has no #const f (its constants are")]),
-        ({"zzz": "1", "n": "f(x)"}, [("unknown-constant", "no #const zzz"), ("constant-value", "give a number")]),
+        (
+            {"twic": "1", "n": "f(x)"},
+            [("unknown-constant", "#const twic (did you mean twice?)"), ("constant-value", "give a number")],
+        ),
     ],
 )
 def test_lint_checks_the_values_of_constants(given, found):

@@ -78,7 +78,10 @@ def test_program_reports_all_faults_at_once():
     ("text", "line", "words"),
     [
         ("a :- b(.\n" + STEPS, 1, "syntax error"),
-        ("#program foo(t).\n", 1, "unknown program part foo(t)"),
+        *(
+            (f"#program {part}.\n", 1, f"unknown program part {part} (")
+            for part in ("foo", "base(t)", "cumulative", "volatile(t,s)")
+        ),
         ("#volatile t : w.\n", 1, "'w' is not a number"),
         ("#iinit x.\n", 1, "'x' is not a number"),
         (STEPS + "_action_lib(a,b) :- m(1).\n", 4, "_action_lib(Action,Parameter,C)"),
