@@ -26,9 +26,9 @@ golog_free(t) :- holds(shared,t-1).
 """
 
 
-def domain_with(procedures, rules=""):
-    """Return the program of DOMAIN with these procedures and further rules of each step."""
-    return ReactiveProgram([Source("domain.lp", DOMAIN + rules, ENCODINGS), Source("test.golog", procedures)])
+def domain_with(procedures, **constants):
+    """Return the program of DOMAIN with these procedures and constants."""
+    return ReactiveProgram([Source("domain.lp", DOMAIN, ENCODINGS), Source("test.golog", procedures)], constants)
 
 
 class ProgramDriver(Driver):
