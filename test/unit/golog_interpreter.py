@@ -148,22 +148,15 @@ class Interpreter:
         return found
 
     def _conc(self, program, state):
-        _, first, second = program
-        found = []
+        kind, first, second = program
+        found, waits = [], kind == "prio" and self._of(first, state)
         if not self.locked(second):
-            found += [(e, self._with(left, lambda left: ("conc", left, second))) for e, left in self._of(first, state)]
-        if not self.locked(first):
-            found += [(e, self._with(left, lambda left: ("conc", first, left))) for e, left in self._of(second, state)]
+            found += [(e, self._with(left, lambda left: (kind, left, second))) for e, left in self._of(first, state)]
+        if not self.locked(first) and not waits:
+            found += [(e, self._with(left, lambda left: (kind, first, left))) for e, left in self._of(second, state)]
         return found
 
-    def _prio(self, program, state):
-        _, first, second = program
-        found = []
-        if not self.locked(second):
-            found += [(e, self._with(left, lambda left: ("prio", left, second))) for e, left in self._of(first, state)]
-        if not self.locked(first) and not self._of(first, state):
-            found += [(e, self._with(left, lambda left: ("prio", first, left))) for e, left in self._of(second, state)]
-        return found
+    _prio = _conc
 
     def _call(self, program, state):
         return self._of(self.body(program[1], program[2]), state)

@@ -64,6 +64,8 @@ CYCLES = {
         says b no rule of the program can see asked(2): rules match told(I)"""),
     "program that rejects a goal hears of it with the next update": (UNDER_WAY.replace("accepted", "rejected"), {}, """
         goal a told(1); all a rejected; facts _seen(ball); sends _request(cancel(1),2). _seen(ball)."""),
+    "rejected goal that is requested again is not cancelled": (UNDER_WAY.replace("accepted", "rejected"), {}, """
+        goal a told(1); all a rejected; goal b told(1); sends _request(told(1),3)."""),
     "actions of a cycle are sent and awaited together": (ARMS, {}, """
         goal a both(1); does left,1,1 right,1,1; facts _return(right,failed,1); cycle 1
         facts _return(left,1,1); cycle 2; sends :- not _action_lib(left,1,1). :- not _action_lib(right,1,1)..."""),

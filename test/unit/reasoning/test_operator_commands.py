@@ -29,6 +29,12 @@ COURSES = {
         is a aborted; is b aborted; fail preempted; does; goal c do(run,3); does run,3,...; succeed; is c succeeded
         done walk,1,1 run,3,...""",
     ),
+    "a goal waits until the program knows the end of another one with its identifier": (
+        ERRANDS,
+        """goal a do(walk,1); stop; goal b do(walk,1); facts _return(walk,preempted,1)
+        sent :- not _action_lib(walk,1,1). _request(cancel(1),2). _return(walk,preempted,1).
+        sent _request(do(walk,1),4).""",
+    ),
     "actions of several cycles go on in a pause": (
         TEAM,
         """goal a job(saw,1); pause; goal b job(drill,2); does saw,1,1; is b active; facts _return(saw,1,1); does

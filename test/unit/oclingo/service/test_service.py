@@ -166,14 +166,6 @@ def test_waiting_update_ends_an_endless_search():
 
 
 @pytest.mark.slow
-def test_service_time_limit_ends_an_endless_search():
-    with running(GOAL, time_limit=0.2) as found:
-        client = found.client()
-        assert "the time limit of 0.2 s was reached" in client.ask("#step 1. #endstep.").warnings[0]
-        assert client.ask("#step 1 : 0. #endstep.").end in ("unsat", "end")
-
-
-@pytest.mark.slow
 def test_update_with_endless_grounding_is_dropped():
     program = "#cumulative t.\n#external e(t).\nn(0,t) :- t > 1.\nn(X+1,t) :- n(X,t), X < 2000000000.\n"
     with running(program, time_limit=1.0) as found:

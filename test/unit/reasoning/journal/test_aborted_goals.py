@@ -1,8 +1,10 @@
 """A core that resumes from its journal can still explain aborted goals."""
 
 import pytest
+from core_programs import rooms
 from kept_node import PROGRAM
 
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.planning.explaining.explainer import explain
 
 
@@ -36,3 +38,13 @@ def test_resumed_core_explains_aborted_goals_like_its_predecessor(start):
     third = start(horizon_limit=4)
     assert [str(term) for term in third.keeper.aborted_goals.terms] == [f"do(never,{number})" for number in (2, 3, 4)]
     assert explained(third, "3") == reasons["c"]
+
+
+def test_resumed_core_names_facts_of_its_predecessor_as_reasons(start):
+    program = ReactiveProgram.from_text(rooms(doors=[("hall", "d")]))
+    first = start(program)
+    first.core.receive("sensor", ["_shut(d)"])
+    first.run()
+    again = ask(start(program), a="reach(hall,1)")
+    end = next(one for one in again.published if getattr(one, "outcome", None) is not None)
+    assert end.message == "reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"

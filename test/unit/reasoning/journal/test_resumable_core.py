@@ -5,14 +5,13 @@ import json
 
 import pytest
 from core_driver import ERRANDS, first, shortest
-from core_programs import rooms
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stream_logs import text_of
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.reasoning.core import Core
-from rosoclingo.reasoning.events import GoalChanged, GoalUnmet, PlanMade, StateChanged
+from rosoclingo.reasoning.events import GoalUnmet, PlanMade, StateChanged
 from rosoclingo.reasoning.settings import CoreSettings
 
 SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.0, goals_at_once=3, overtaking_limit=3)
@@ -135,18 +134,3 @@ SOLVERS = {"shortest": shortest, "first": first}
 @given(script=scripts(ERRAND, ["_seen(ball)", "_seen(cup)", "_unheard(1)"]), cuts=CUTS)
 def test_resumed_core_finishes_errands_like_uninterrupted_core(solver, script, cuts):
     compare(ReactiveProgram.from_text(BELIEVED), solver, script, cuts)
-
-
-def test_resumed_core_names_facts_of_its_predecessor_as_reasons():
-    program, events = ReactiveProgram.from_text(rooms(doors=[("hall", "d")])), []
-    first = Core(program, lambda: shortest(program), events.append, SETTINGS)
-    first.start()
-    first.receive("sensor", ["_shut(d)"])
-    assert first.advance(0.0)
-    record = json.loads(json.dumps(first.state()))
-    core = Core(program, lambda: shortest(program), events.append, SETTINGS, record=record)
-    core.add_goal("a", "reach(hall,1)")
-    while core.advance(0.0):
-        pass
-    (end,) = [one for one in events if isinstance(one, GoalChanged) and one.outcome is not None]
-    assert end.message == "reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"
