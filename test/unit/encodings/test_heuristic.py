@@ -10,7 +10,7 @@ from mailbot_world import fewest_steps, neighbours, program
 
 from rosoclingo.oclingo import ReactiveProgram
 
-ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 12))
+ANSWERS = settings(max_examples=max(1, settings.default.max_examples // 4))
 
 
 def mailbot(corridors, capacity=3, **constants):

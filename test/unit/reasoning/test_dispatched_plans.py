@@ -22,8 +22,6 @@ from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.reasoning.stream_planner import unwatched
 
-pytestmark = pytest.mark.once
-
 LOOKS = 300  # calls in which an improvement checks whether to stop
 
 SOLVERS = {"shortest": shortest, "first": first, "soon": partial(soon, plan_time=0.05)}
@@ -151,7 +149,6 @@ STEPS = st.lists(st.tuples(st.booleans(), st.sampled_from(["no", "begun", "done"
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(1, settings.default.max_examples // 20))
 @given(st.lists(st.tuples(ASKED, STEPS), min_size=1, max_size=2))
 def test_plan_that_goes_out_is_valid_with_prefetching(ring_process, batches):

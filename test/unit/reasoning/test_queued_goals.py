@@ -81,7 +81,6 @@ def test_queued_goals_of_busy_core_follow_script(row):
 
 
 @pytest.mark.slow
-@pytest.mark.once
 def test_queued_goals_are_admitted_up_to_planning_capacity():
     """So nothing has to be undone: no search is cut, and no goal is withdrawn."""
     driver = ask(BusyDriver(most=99, plan_time=0.0), *range(1, 40))

@@ -106,7 +106,6 @@ TEAM_SCRIPT = [
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @pytest.mark.parametrize(("script", "kind"), [(SCRIPT, World), (TEAM_SCRIPT, Team)], ids=["errands", "team"])
 def test_interfaces_or_core_survive_kill_at_every_instant(script, kind):
     play, fate = played(script, kind=kind)
@@ -134,7 +133,6 @@ ORDERED = st.one_of(
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(max_examples=max(3, settings.default.max_examples // 8))
 @given(script=st.lists(ORDERED, min_size=5, max_size=20), kills=KILLS)
 def test_mailbot_packages_end_in_right_place_after_kills(script, kills):

@@ -93,7 +93,6 @@ HAPPENED = st.one_of(
 
 
 @pytest.mark.slow
-@pytest.mark.once
 @settings(
     max_examples=max(1, settings.default.max_examples // 10), phases=[Phase.explicit, Phase.reuse, Phase.generate]
 )
