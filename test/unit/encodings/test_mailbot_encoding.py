@@ -119,6 +119,13 @@ def test_mailbot_rejects_an_office_without_a_way():
 
 
 @pytest.mark.slow
+def test_mailbot_accepts_a_late_report_about_a_way_it_has_driven():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("a", "goal(office3,office4,1)").succeed().succeed()
+    driver.facts("_blocked(office2,office3,1)").finish()
+    assert (driver.states("a")[-1], driver.problems) == ("succeeded", [])
+
+
+@pytest.mark.slow
 def test_mailbot_memory_of_a_long_run_is_bounded():
     """The requests of a bound stay as long as the bound (``_window``); all other past is forgotten."""
     files = [ENCODINGS / "mailbot.lp", ENCODINGS / "office.lp"]
