@@ -159,16 +159,6 @@ def refuses(node, words, **parameters):
             rospy.delete_param("~" + name)
 
 
-def suite_of(*cases):
-    """Return a class of these cases, which rostest loads as one."""
-
-    class Suite(unittest.TestSuite):
-        def __init__(self):
-            super().__init__(map(unittest.defaultTestLoader.loadTestsFromTestCase, cases))
-
-    return Suite
-
-
 def master_answers():
     """Return whether there is a master at the address of ROS_MASTER_URI."""
     with suppress(*FAULTS):

@@ -1,28 +1,21 @@
-#!/usr/bin/env python3
 """The core with manual interfaces: goals of several clients, rejections, cancels, stray facts, late subscribers."""
 
 import random
 import signal
 import subprocess
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 import yaml
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import Client, ManualInterfaces, SentGoal, Updates
+from documented_names import check_names
+from interface_helpers import PATIENCE, CommandProcess, send_request, wait_until
 from rosoclingo.msg import GoalStates, ROSoClingoResult, TaskPlan
 from std_msgs.msg import UInt32
 
 from rosoclingo.reasoning.goals import Outcome
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import Client, ManualInterfaces, SentGoal, Updates
-from documented_names import check_names
-from interface_helpers import PATIENCE, CommandProcess, init_node, send_request, wait_until
 
 SUCCEEDED, ABORTED, REJECTED = GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.REJECTED
 PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
@@ -31,7 +24,6 @@ PREEMPTED, RECALLED = GoalStatus.PREEMPTED, GoalStatus.RECALLED
 class Core(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_test")
         cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
@@ -169,7 +161,3 @@ class Core(unittest.TestCase):
         for cancelled, goal in sent:
             self.assertIn(goal.wait()[0], (SUCCEEDED, PREEMPTED, RECALLED) if cancelled else (SUCCEEDED,))
             self.assertEqual(goal.states.count(CommState.DONE), 1)
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core", Core, sys.argv)

@@ -1,20 +1,13 @@
-#!/usr/bin/env python3
 """The core's self-defence: /diagnostics, nonsense, concurrent actions, cancels by time stamp."""
 
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
-from diagnostic_msgs.msg import DiagnosticStatus
-from rosoclingo.msg import InterfaceIO
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import heard_log, init_node, values_of, wait_for_diagnosis, wait_to_hear, wait_until
+from diagnostic_msgs.msg import DiagnosticStatus
+from interface_helpers import heard_log, values_of, wait_for_diagnosis, wait_to_hear, wait_until
+from rosoclingo.msg import InterfaceIO
 
 CORE = "rosoclingo: core"
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
@@ -23,7 +16,6 @@ ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 class CoreDefence(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_defence_test")
         cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.arms = ManualInterfaces("/arms/")
@@ -110,7 +102,3 @@ class CoreDefence(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         younger.ends_as(GoalStatus.SUCCEEDED)
         self.assertIn(blocking.wait()[0], ENDED)
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core_defence", CoreDefence, sys.argv)

@@ -1,24 +1,18 @@
-#!/usr/bin/env python3
 """The core during an endless search or grounding: time limit, cancel, Ctrl-C and sudden death of the node."""
 
 import os
 import signal
-import sys
 import tempfile
 import unittest
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import ERRANDS, Client, ManualInterfaces, Updates, start_core
+from interface_helpers import PATIENCE, process_of, wait_until
 from rosoclingo.msg import TaskPlan
 from std_srvs.srv import SetBool, Trigger
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import ERRANDS, Client, ManualInterfaces, Updates, start_core
-from interface_helpers import PATIENCE, init_node, process_of, wait_until
 
 #: The errand boom is grounded without end, the errand pigeons is searched without end.
 ENDLESS = """
@@ -77,10 +71,6 @@ def kept_busy(node):
 
 
 class CoreInterrupted(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        init_node("core_interrupted_test")
-
     def serves(self, namespace, goal, updates):
         """Check that the core serves another goal."""
         sent = Client(f"{namespace}/rosoclingo").send(goal)
@@ -187,7 +177,3 @@ class CoreInterrupted(unittest.TestCase):
             pids = children("/robbed/rosoclingo")
             process.signal(signal.SIGKILL)
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core_interrupted", CoreInterrupted, sys.argv)

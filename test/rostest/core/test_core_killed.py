@@ -1,34 +1,26 @@
-#!/usr/bin/env python3
 """The core is killed, also while its journal cannot be written: it resumes, or reports that it cannot."""
 
 import re
-import sys
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
-from diagnostic_msgs.msg import DiagnosticStatus
-from rosoclingo.msg import GoalStates, State
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, ManualInterfaces
+from diagnostic_msgs.msg import DiagnosticStatus
 from interface_helpers import (
     PATIENCE,
     full_disk,
     heard_log,
-    init_node,
     kill,
     process_of,
     values_of,
     wait_for_diagnosis,
     wait_until,
 )
+from rosoclingo.msg import GoalStates, State
 
-ERRANDS = str(Path(__file__).resolve().parents[2] / "data" / "errands.lp")
 NODE = "/rosoclingo"
 
 
@@ -39,7 +31,7 @@ def warns(words):
 class CoreKilled(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.journal = Path(cls.folder) / "journal.db"
+        cls.journal = Path(rospy.myargv()[2]) / "journal.db"
         cls.stale = Path(f"{cls.journal}.stale")
         cls.said = heard_log(NODE)
         cls.hands, cls.client = ManualInterfaces(), Client()
@@ -140,9 +132,3 @@ class CoreKilled(unittest.TestCase):
         goal, command = self.begin("do(walk,4)")
         self.answer_until(command, lambda: CommState.DONE in goal.states)
         goal.ends_as(GoalStatus.SUCCEEDED)
-
-
-if __name__ == "__main__":
-    CoreKilled.folder = rospy.myargv()[1]
-    init_node("core_killed_test")
-    rostest.rosrun("rosoclingo", "core_killed", CoreKilled, sys.argv)

@@ -1,25 +1,19 @@
-#!/usr/bin/env python3
 """core.launch as it stands: a killed core comes back, a core that cannot start ends its roslaunch."""
 
 import contextlib
 import os
 import signal
 import sqlite3
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
-from rosoclingo.msg import TaskPlan
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import ERRANDS, Client, ManualInterfaces, start_core
-from interface_helpers import PATIENCE, OutputProcess, init_node, kill, process_of, wait_until
+from interface_helpers import PATIENCE, OutputProcess, kill, process_of, wait_until
+from rosoclingo.msg import TaskPlan
 
 NODE = "/rosoclingo"
 
@@ -39,10 +33,6 @@ def core_launch(**arguments):
 
 
 class CoreLaunch(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        init_node("core_launch_test")
-
     def ends(self, launch, starts):
         """Return the output of a roslaunch that ends by itself after so many starts of the core."""
         text = launch.wait()[1]
@@ -91,7 +81,3 @@ class CoreLaunch(unittest.TestCase):
             self.wait_for_core()
             os.kill(process_of(NODE), signal.SIGKILL)
             self.assertIn("REQUIRED process [rosoclingo-", self.ends(launch, starts=1))
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core_launch", CoreLaunch, sys.argv)

@@ -1,26 +1,15 @@
-#!/usr/bin/env python3
 """The core node's start: bad parameters, gaps of a program; and the end of a request."""
 
 import signal
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 
-import rostest
 from actionlib_msgs.msg import GoalStatus
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, Updates, start_core
-from interface_helpers import Process, executable, init_node, send_request
+from interface_helpers import Process, executable, send_request
 
 
 class CoreStart(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        init_node("core_start_test")
-
     def test_bad_parameters_end_the_start(self):
         with start_core("zero", horizon_limit=0) as process:
             process.refuses("~horizon_limit: must be an integer of at least 1, not 0")
@@ -60,7 +49,3 @@ class CoreStart(unittest.TestCase):
         self.assertEqual(lines[:2], ["walks 1", "cancelling do(walk,1) (Ctrl-C again: do not wait)"])
         self.assertTrue(lines[-1].startswith("do(walk,1): cancelled"), lines)
         self.assertFalse([one for one, after in zip(lines, lines[1:]) if one == after], "news are printed once")
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core_start", CoreStart, sys.argv)

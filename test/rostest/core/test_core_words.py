@@ -1,31 +1,23 @@
-#!/usr/bin/env python3
 """Texts of the program for clients, goals that no rule sees, a control program, and a missing interface."""
 
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus
-from diagnostic_msgs.msg import DiagnosticStatus
-from rosoclingo.msg import GoalStates
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, ManualInterfaces, Updates
+from diagnostic_msgs.msg import DiagnosticStatus
 from interface_helpers import (
     Process,
     Server,
     executable,
     heard_log,
-    init_node,
     send_request,
     values_of,
     wait_for_diagnosis,
     wait_until,
 )
+from rosoclingo.msg import GoalStates
 
 LACKING = "errands/rosoclingo: core"
 MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run, walk"
@@ -34,7 +26,6 @@ MISSING = "no interface 'hold' for _action_lib(hold,1,1): the interfaces are run
 class CoreWords(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_words_test")
         cls.hands = ManualInterfaces()
         cls.hands.wait_for("/rosoclingo")
         cls.goals = GoalStates()
@@ -105,7 +96,3 @@ class CoreWords(unittest.TestCase):
     @staticmethod
     def wait_for_interfaces(names):
         wait_for_diagnosis(LACKING, lambda one: values_of(one)["interfaces"] == names, names)
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "core_words", CoreWords)

@@ -1,24 +1,18 @@
-#!/usr/bin/env python3
 """The core's service ~explain: why a goal was aborted, while the core continues."""
 
 import json
 import re
 import subprocess
-import sys
 import threading
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 import yaml
 from actionlib_msgs.msg import GoalStatus
-from rosoclingo.srv import Explain, ExplainResponse
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, ManualInterfaces
-from interface_helpers import PATIENCE, init_node, kill
+from interface_helpers import PATIENCE, kill
+from rosoclingo.srv import Explain, ExplainResponse
 
 
 class ExplainGoals(unittest.TestCase):
@@ -81,8 +75,3 @@ class ExplainGoals(unittest.TestCase):
         again = self.asked(lambda: self.explain(goal.handle.comm_state_machine.action_goal.goal_id.id))
         self.assertTrue(again.success, again.message)
         self.assertEqual(json.loads(again.reason)["stream_facts"], reason["stream_facts"])
-
-
-if __name__ == "__main__":
-    init_node("explain_test")
-    rostest.rosrun("rosoclingo", "explain", ExplainGoals)

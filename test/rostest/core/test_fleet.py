@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Three robots, goals, random cancels: one robot is lost for a while, one for good, and each goal ends truly.
 
 ROSOCLINGO_SEED chooses other goals and durations, ROSOCLINGO_GOALS their number.
@@ -7,28 +6,21 @@ ROSOCLINGO_SEED chooses other goals and durations, ROSOCLINGO_GOALS their number
 import os
 import random
 import signal
-import sys
 import threading
 import unittest
 from collections import Counter
 from contextlib import ExitStack
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import Client, Updates
+from deliveries import Floor, Request
+from fleet_world import FleetWorld
+from interface_helpers import PATIENCE, Process, executable, wait_for_diagnosis, wait_until
 from move_base_msgs.msg import MoveBaseAction
+from planning_domains import RuleError
 from rosoclingo.msg import DeliverAction, PickupAction
-
-HERE = Path(__file__).resolve()
-sys.path[:0] = [str(HERE.parents[1]), str(HERE.parents[3] / "bench")]
-
-from core_helpers import Client, Updates  # noqa: E402
-from deliveries import Floor, Request  # noqa: E402
-from fleet_world import FleetWorld  # noqa: E402
-from interface_helpers import PATIENCE, Process, executable, init_node, wait_for_diagnosis, wait_until  # noqa: E402
-from planning_domains import RuleError  # noqa: E402
 
 SEED, GOALS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("GOALS", "5")))
 OFFICES, COLUMNS = 12, 4
@@ -220,8 +212,3 @@ class FleetTest(unittest.TestCase):
             self.assertIn(number, self.cancelled, text)
             can_return = carrier not in {None, *self.lost} and request.start not in self.robots.barred
             self.assertFalse(can_return, text)
-
-
-if __name__ == "__main__":
-    init_node("fleet_test")
-    rostest.rosrun("rosoclingo", "fleet", FleetTest, sys.argv)

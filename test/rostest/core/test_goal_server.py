@@ -1,14 +1,12 @@
-#!/usr/bin/env python3
 """The core's action server alone: statuses while arrivals wait, and ends that actionlib decides by itself."""
 
-import sys
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from core_helpers import Client
+from interface_helpers import wait_until
 from rosoclingo.msg import GoalStates, ROSoClingoActionGoal, ROSoClingoActionResult, ROSoClingoGoal, ROSoClingoResult
 
 from rosoclingo.common.action_servers import start_server
@@ -16,11 +14,6 @@ from rosoclingo.nodes.core import goal_handles
 from rosoclingo.nodes.core.goal_server import LONGEST_ID, MOST_ARRIVALS, GoalServer
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.goals import GoalEvent, GoalState, Outcome
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import Client
-from interface_helpers import init_node, wait_until
 
 CANCELED = ROSoClingoResult.CANCELED
 
@@ -175,9 +168,3 @@ class GoalServerTest(unittest.TestCase):
         start_server(core.server)
         message = rospy.wait_for_message("restored/status", GoalStatusArray)
         self.assertEqual([one.goal_id.id for one in message.status_list], ["before"])
-
-
-if __name__ == "__main__":
-    init_node("goal_server_test")
-    rospy.set_param("/actionlib_client_pub_queue_size", 0)  # no limit: the clients themselves drop nothing
-    rostest.rosrun("rosoclingo", "goal_server", GoalServerTest, sys.argv)

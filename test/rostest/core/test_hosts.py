@@ -1,9 +1,7 @@
-#!/usr/bin/env python3
 """A core and four robots on five hosts: slow, lossy and lost links, a restarted core's host, a robot gone for good."""
 
 import os
 import signal
-import sys
 import tempfile
 import time
 import unittest
@@ -12,15 +10,12 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Event
 
-import rostest
 from actionlib_msgs.msg import GoalStatus
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from core_helpers import Client, Updates
 from interface_helpers import executable, init_node, master_answers, wait_until
 from network import Network, NotPermittedError
 
+INITS_NODE = True  # a network namespace is entered before the first thread
 HERE = Path(__file__).resolve()
 PROGRAM = HERE.parents[2] / "data" / "robots.lp"
 ROBOTS = {"r1": 2, "r2": 3, "r3": 4, "r4": 5}
@@ -148,7 +143,3 @@ class Hosts(unittest.TestCase):
         self.assertEqual(done.pop(work["r2"]), 2, "another robot repeats what r2 has begun")
         self.assertEqual(done, Counter(set(self.goals) - {work["r2"]}), "all others are done once")
         self.assertFalse(any("_back(r2," in text for text in self.updates.texts))
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "hosts", Hosts, sys.argv)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Kill core, interfaces and office during actions: each package is at the right place, and no action runs twice.
 
 ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS the number of kills.
@@ -6,26 +5,20 @@ ROSOCLINGO_SEED chooses other goals and instants, ROSOCLINGO_KILLS the number of
 
 import os
 import random
-import sys
 import threading
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 import tf2_ros
 from actionlib.action_client import CommState
 from actionlib.action_server import ActionServer
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from core_helpers import Client
+from interface_helpers import PATIENCE, base_at, kill, wait_for_server, wait_to_hear, wait_until
 from move_base_msgs.msg import MoveBaseAction
 from rosoclingo.msg import DeliverActionResult, InterfaceIO, PackageStates, PickupActionResult
 
 from rosoclingo.reasoning.keywords import CORE
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import Client
-from interface_helpers import PATIENCE, base_at, init_node, kill, wait_for_server, wait_to_hear, wait_until
 
 SEED, KILLS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("KILLS", "3")))
 OFFICES = ("office1", "office2", "office3", "office4")
@@ -168,8 +161,3 @@ class MailbotKilled(unittest.TestCase):
             self.assertIn(status, (GoalStatus.RECALLED, GoalStatus.PREEMPTED), reported)
             self.assertIn(goal, self.cancelled, reported)
             self.assertIn(way, ([], ["robot", origin], ["robot", target]), reported)  # last: a late cancel
-
-
-if __name__ == "__main__":
-    init_node("mailbot_killed_test")
-    rostest.rosrun("rosoclingo", "mailbot_killed", MailbotKilled, sys.argv)

@@ -1,22 +1,15 @@
-#!/usr/bin/env python3
 """Commands of an operator: ~pause withholds actions, also after a kill, and ~stop ends all goals and actions."""
 
 import shutil
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import Client, ManualInterfaces, Updates
 from diagnostic_msgs.msg import DiagnosticStatus
+from interface_helpers import PATIENCE, CommandProcess, kill, wait_for_diagnosis, wait_until
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import Client, ManualInterfaces, Updates
-from interface_helpers import PATIENCE, CommandProcess, init_node, kill, wait_for_diagnosis, wait_until
 
 NODE = "/rosoclingo"
 
@@ -37,6 +30,10 @@ class Operator(unittest.TestCase):
             rospy.ServiceProxy("rosoclingo/pause", SetBool),
             rospy.ServiceProxy("rosoclingo/stop", Trigger),
         )
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(rospy.myargv()[2], ignore_errors=True)
 
     def setUp(self):
         self.hands.wait_for(NODE)
@@ -101,12 +98,3 @@ class Operator(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         goal.ends_as(GoalStatus.SUCCEEDED)
         self.wait_for_mode("running")
-
-
-if __name__ == "__main__":
-    folder = rospy.myargv()[1]
-    init_node("operator_test")
-    try:
-        rostest.rosrun("rosoclingo", "operator", Operator, sys.argv)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)

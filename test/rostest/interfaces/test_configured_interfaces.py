@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Interfaces by configuration: goals filled, ends answered, time-outs, retries, servers that are absent or die."""
 
 import signal
@@ -9,7 +8,6 @@ from pathlib import Path
 from unittest import mock
 
 import rospy
-import rostest
 from actionlib.msg import (
     TestAction,
     TestGoal,
@@ -22,6 +20,17 @@ from actionlib.msg import (
 from actionlib_msgs.msg import GoalStatusArray
 from clingo import Function, Number
 from diagnostic_msgs.msg import DiagnosticStatus
+from interface_helpers import (
+    PATIENCE,
+    CoreSide,
+    Process,
+    Server,
+    executable,
+    heard_log,
+    values_of,
+    wait_for_diagnosis,
+    wait_until,
+)
 from rospy.topics import _PublisherImpl
 
 from rosoclingo.common.worker import Worker
@@ -30,22 +39,6 @@ from rosoclingo.interfaces.attempt import ActionLimits
 from rosoclingo.interfaces.base import Interface, RefusalError
 from rosoclingo.interfaces.config import ConfigError
 from rosoclingo.interfaces.hosting import InterfacesNode
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import (
-    PATIENCE,
-    CoreSide,
-    Process,
-    Server,
-    executable,
-    heard_log,
-    init_node,
-    suite_of,
-    values_of,
-    wait_for_diagnosis,
-    wait_until,
-)
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 
@@ -67,7 +60,6 @@ def reject(goal):
 class ConfiguredInterfaces(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_side")
         cls.core = CoreSide()
         cls.oracle = Server("oracle", TestRequestAction)
         cls.count = Server("count", TestAction)
@@ -280,9 +272,3 @@ class InterfaceNode(unittest.TestCase):
             self.assertEqual(core.receive(), ["_return(arm,interface_lost,1)"])
             server.cancelled()
             self.assertEqual(node.wait()[0], 0)
-
-
-Suite = suite_of(ConfiguredInterfaces, SubclassedInterface, InterfaceNode)
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "configured_interfaces", "test_configured_interfaces.Suite", sys.argv)

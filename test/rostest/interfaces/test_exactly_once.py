@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Kill interface and core during actions: each action runs once, and is answered."""
 
 import itertools
@@ -11,25 +10,20 @@ import uuid
 from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.msg import TestAction
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
-from std_msgs.msg import Int32MultiArray
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from interface_helpers import (
     CoreSide,
     Process,
     Server,
     full_disk,
-    init_node,
     is_another,
     process_of,
     values_of,
     wait_for_diagnosis,
     wait_until,
 )
+from std_msgs.msg import Int32MultiArray
 
 MORTAL = str(Path(__file__).resolve().parent / "mortal_server.py")
 NODE = "interface"
@@ -44,7 +38,6 @@ def is_idle(report):
 class ExactlyOnce(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_side")
         cls.servers = {name: Server(name, TestAction) for name in NAMES}
         cls.shelved = rospy.Publisher("shelved", Int32MultiArray, latch=True, queue_size=1)
         cls.shelved.publish(Int32MultiArray())
@@ -227,7 +220,3 @@ class ExactlyOnce(unittest.TestCase):
         self.servers["arm"].wait_for_new_reader(NODE, self.readers)
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "exactly_once", ExactlyOnce, sys.argv)

@@ -1,24 +1,16 @@
-#!/usr/bin/env python3
 """move_base, pickup and deliver: every end of a goal becomes the right return."""
 
-import sys
 import unittest
-from pathlib import Path
-
-import rostest
-from move_base_msgs.msg import MoveBaseAction
-from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from documented_names import check_names
-from interface_helpers import CoreSide, Server, init_node
+from interface_helpers import CoreSide, Server
+from move_base_msgs.msg import MoveBaseAction
+from rosoclingo.msg import DeliverAction, DeliverResult, PickupAction, PickupResult
 
 
 class ShippedInterfaces(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("core_side")
         cls.core = CoreSide()
         cls.move_base = Server("move_base", MoveBaseAction)
         cls.pickup = Server("pickup", PickupAction)
@@ -104,7 +96,3 @@ class ShippedInterfaces(unittest.TestCase):
                 self.core.send(name, f"_action_lib({name},7,3)")
                 server.accept().set_aborted(result(outcome=outcome))
                 self.assertEqual(self.core.receive(), [f"_return({name},{reason},3)"])
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "shipped_interfaces", ShippedInterfaces, sys.argv)

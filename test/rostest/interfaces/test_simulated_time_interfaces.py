@@ -1,19 +1,12 @@
-#!/usr/bin/env python3
 """Simulated time, published by the test: it begins late, runs fast, stands still, is reset."""
 
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib.msg import TestAction
 from diagnostic_msgs.msg import DiagnosticArray
+from interface_helpers import CoreSide, Server, wait_until
 from rosgraph_msgs.msg import Clock
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import CoreSide, Server, init_node, wait_until
 
 
 class SimulatedTimeInterfaces(unittest.TestCase):
@@ -25,7 +18,6 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         self.reported = message.header.stamp.to_sec()
 
     def test_interface_survives_a_day_in_simulated_time(self):
-        init_node("core_side")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         self.reported = None  # the interface's time, which it publishes once a second of wall time
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.note)
@@ -67,7 +59,3 @@ class SimulatedTimeInterfaces(unittest.TestCase):
         # while time stands still, an absent server is noticed nevertheless
         self.assertEqual(core.run("absent", "_action_lib(absent,a,6)"), ["_return(absent,server_lost,6)"])
         self.assertTrue(core.silent())
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "simulated_time_interfaces", SimulatedTimeInterfaces, sys.argv)

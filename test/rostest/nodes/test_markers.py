@@ -1,12 +1,10 @@
-#!/usr/bin/env python3
 """The markers node redraws labels, packages and plan at each change."""
 
-import sys
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
+from documented_names import check_names
+from interface_helpers import refuses, wait_until
 from rosoclingo.msg import GoalState, GoalStates, PackageState, PackageStates, State, TaskPlan
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
@@ -14,16 +12,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 from rosoclingo.nodes.rviz.markers import MarkersNode
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from documented_names import check_names
-from interface_helpers import init_node, refuses, wait_until
-
 
 class Markers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("markers_test")
         cls.texts = {}
         cls.packages = rospy.Publisher("packages", PackageStates, queue_size=1, latch=True)
         cls.plan = rospy.Publisher("rosoclingo/task_plan", TaskPlan, queue_size=1, latch=True)
@@ -74,7 +66,3 @@ class Markers(unittest.TestCase):
         rospy.set_param("~labels", {"a": [1, 2]})
         for name, value in (("panel", [1]), ("panel", 3), ("robot_radius", "wide")):
             refuses(MarkersNode, name, **{name: value})
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "markers_test", Markers, sys.argv)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """A restarted roscore: activities continue, newcomers find the nodes, and missed publishers are found."""
 
 import importlib.util
@@ -6,17 +5,12 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 import unittest
 from contextlib import ExitStack
 from pathlib import Path
 from unittest import mock
 
 import rosgraph
-import rostest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from interface_helpers import PATIENCE, Process, executable, master_answers, send_request, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -90,7 +84,3 @@ class MasterRestarted(unittest.TestCase):
             wait_until(lambda: self.known((1, "/news", "/listener")), "the listener")
             with Process("rostopic", "pub", "-r", "2", "news", "std_msgs/String", "hello"):
                 self.assertEqual(listener.lines_until("hello")[-1], "hello True")
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "master_restarted", MasterRestarted, sys.argv)

@@ -1,19 +1,13 @@
-#!/usr/bin/env python3
 """The command new: catkin builds the package, its scenarios pass its own test, and a wrong one fails there."""
 
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-import rostest
 import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import PATIENCE, executable, init_node
+from interface_helpers import PATIENCE, executable
 
 BUILD = 'catkin_make -C "$1" -DPYTHON_EXECUTABLE="$(which python3)"'
 TEST = 'source "$1/devel/setup.bash" && rostest guard scenarios.test'
@@ -41,8 +35,3 @@ class NewPackage(unittest.TestCase):
         )
         self.assertEqual(done.returncode != 0, fails, f"{command}\n{done.stdout}")
         return done.stdout
-
-
-if __name__ == "__main__":
-    init_node("new_package_test")
-    rostest.rosrun("rosoclingo", "new_package", NewPackage, sys.argv)

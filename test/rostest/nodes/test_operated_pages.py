@@ -1,26 +1,19 @@
-#!/usr/bin/env python3
 """People operate robots by their pages: order, see, report a fact, ask why, pause and stop."""
 
-import sys
 import tempfile
 import unittest
 from contextlib import ExitStack
 from pathlib import Path
 
+import browser
 import rospy
-import rostest
 import yaml
+from core_helpers import ManualInterfaces
+from interface_helpers import Process, executable, wait_until
 from rosoclingo.msg import PackageState, PackageStates
 from std_msgs.msg import String
 
 from rosoclingo.nodes.new_package import new_package
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-import browser
-from core_helpers import ManualInterfaces
-from interface_helpers import Process, executable, init_node, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -151,8 +144,3 @@ class OperatedPages(unittest.TestCase):
         self.send(**order, package="8", to="office4")
         self.last_order("Bring package 8 from office1 to office4", "done")
         self.assertEqual(self.page.faults, [])
-
-
-if __name__ == "__main__":
-    init_node("operated_pages_test")
-    rostest.rosrun("rosoclingo", "operated_pages", OperatedPages, sys.argv)

@@ -1,35 +1,28 @@
-#!/usr/bin/env python3
 """The recorder: a bag holds everything up to the end of a run, or up to the recorder's death."""
 
 import re
 import signal
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import rosbag
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from rosgraph_msgs.msg import Clock
-from std_msgs.msg import String
-
-from rosoclingo.nodes.recording.bag_file import unfinished_path
-from rosoclingo.nodes.recording.recorder import is_recording
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from interface_helpers import (
     Process,
     executable,
     full_disk,
-    init_node,
     process_of,
     send_request,
     wait_for_diagnosis,
     wait_until,
 )
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+from rosoclingo.nodes.recording.bag_file import unfinished_path
+from rosoclingo.nodes.recording.recorder import is_recording
 
 HERE = Path(__file__).resolve().parent
 NOTES = "/record/notes"
@@ -171,8 +164,3 @@ class Recorder(unittest.TestCase):
             notes = [message.data for _, message, _ in bag.read_messages([NOTES])]
         self.assertEqual([f"aborted: {one.status.text}" for one in results], [reported])
         self.assertEqual(notes[-1], "ends, with the run: complete")
-
-
-if __name__ == "__main__":
-    init_node("recorder_test")
-    rostest.rosrun("rosoclingo", "recorder", Recorder, sys.argv)

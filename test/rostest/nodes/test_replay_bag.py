@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Office and house under late, repeated and false facts: every action and every end is right, also in the recording.
 
 The recorded run replays with no unexplained difference, and its stream gives the same answers by the command.
@@ -12,7 +11,6 @@ import queue
 import re
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 import unittest
@@ -21,10 +19,11 @@ from random import Random
 
 import rosbag
 import rospy
-import rostest
 from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
+from carrying_world import HOUSE, OFFICE, ROBOT, Play
+from interface_helpers import PATIENCE, Process, executable, wait_for_server, wait_to_hear, wait_until
 from rosoclingo.msg import GoalStates, InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 
 from rosoclingo.common.action_clients import cancel_goal
@@ -33,12 +32,6 @@ from rosoclingo.oclingo import SolveOutcome
 from rosoclingo.oclingo.service.command import UNSATISFIABLE
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.keywords import CORE
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
-
-from carrying_world import HOUSE, OFFICE, ROBOT, Play
-from interface_helpers import PATIENCE, Process, executable, init_node, wait_for_server, wait_to_hear, wait_until
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "5"))
@@ -233,8 +226,3 @@ class ReplayBag(unittest.TestCase):
             with rosbag.Bag(str(self.bag)) as bag:
                 reported = {fact for _, one, _ in bag.read_messages([f"/{world}/out_rosoclingo"]) for fact in one.facts}
             self.assertEqual(len(run["actions"]), sum(fact.startswith("_action_lib(") for fact in reported))
-
-
-if __name__ == "__main__":
-    init_node("replay_test")
-    rostest.rosrun("rosoclingo", "replay", ReplayBag, sys.argv)

@@ -1,24 +1,17 @@
-#!/usr/bin/env python3
 """A request from the command line ends as lost once its core is gone, with any ROS time, and not before."""
 
 import signal
-import sys
 import threading
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import ManualInterfaces, start_core
+from interface_helpers import PATIENCE, send_request, wait_to_hear, wait_until
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import ROSoClingoActionResult
 
 from rosoclingo.nodes.goal_client import SILENCE
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import ManualInterfaces, start_core
-from interface_helpers import PATIENCE, init_node, send_request, wait_to_hear, wait_until
 
 
 def ask(server, *arguments):
@@ -29,7 +22,6 @@ def ask(server, *arguments):
 class RequestLost(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("request_lost_test")
         cls.clock = rospy.Publisher("/clock", Clock, queue_size=10, latch=True)
         cls.running = threading.Event()
         cls.running.set()
@@ -120,7 +112,3 @@ class RequestLost(unittest.TestCase):
             hands.succeed(command)
             wait_until(lambda: results, "the goal to end")
         self.assertEqual(results[0].status.status, GoalStatus.SUCCEEDED)
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "request_lost", RequestLost, sys.argv)

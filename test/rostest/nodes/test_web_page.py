@@ -1,29 +1,21 @@
-#!/usr/bin/env python3
 """The live page with a real core: the goals in a browser, also after the core was killed and restarted."""
 
 import math
-import sys
 import unittest
 from contextlib import ExitStack
-from pathlib import Path
 
+import browser
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
+from core_helpers import Client, ManualInterfaces
 from geometry_msgs.msg import TransformStamped
+from interface_helpers import kill, refuses, wait_for_server, wait_until
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.nodes.pages.web_node import WebNode
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "unit"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-import browser
-from core_helpers import Client, ManualInterfaces
-from interface_helpers import init_node, kill, refuses, wait_for_server, wait_until
 
 TOPICS = [
     "/in_rosoclingo",
@@ -38,7 +30,6 @@ class WebPage(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        init_node("web_page_test")
         cls.hands = ManualInterfaces()
         cls.hands.at_once = True
         cls.hands.wait_for("/rosoclingo")
@@ -125,7 +116,3 @@ class WebPage(unittest.TestCase):
             ("host", 7, "host"),
         ):
             refuses(WebNode, reported, **{name: value})
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "web_page", WebPage)

@@ -1,27 +1,21 @@
-#!/usr/bin/env python3
 """The interfaces of map_server and fake_localization, and refusals of wrong parameters by the simulation's nodes."""
 
 import contextlib
 import math
 import queue
-import sys
 import tempfile
 import threading
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped, Twist
+from interface_helpers import PATIENCE, Process, executable, wait_to_hear
 from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
 from rosoclingo.srv import SetRobotPose, StepSimulation
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import PATIENCE, Process, executable, init_node, suite_of, wait_to_hear
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = str(ROOT / "worlds" / "office.yaml")
@@ -252,10 +246,3 @@ class SimulatorParameters(unittest.TestCase):
         sent = {t.child_frame_id: t for t in frames.get().transforms}
         self.assertEqual(sent["anna/base_laser_link_1"].header.frame_id, "anna/base_link")
         self.assertAlmostEqual(sent["anna/base_laser_link_1"].transform.translation.x, -0.1)
-
-
-Suite = suite_of(Maps, Localization, WrongParameters, SimulatorParameters)
-
-if __name__ == "__main__":
-    init_node("map_and_localization")
-    rostest.rosrun("rosoclingo", "map_and_localization", "test_map_and_localization.Suite", sys.argv)

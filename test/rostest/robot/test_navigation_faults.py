@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Navigation to all labels, and in difficulty: doors, obstacles, a lost laser, a moved robot; move_base's services."""
 
 import copy
@@ -6,30 +5,25 @@ import functools
 import math
 import pathlib
 import shutil
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 import rospy
-import rostest
+from documented_names import documented, offered
 from geometry_msgs.msg import PoseStamped
+from interface_helpers import PATIENCE, wait_to_hear, wait_until
 from map_msgs.msg import OccupancyGridUpdate
 from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan, LoadMap
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 from PIL import Image
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 from std_srvs.srv import Empty
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-
-from documented_names import documented, offered
-from interface_helpers import PATIENCE, init_node, wait_to_hear, wait_until
-from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "doc" / "simulator_and_navigation.md"
 
@@ -282,8 +276,3 @@ class NavigationFaults(unittest.TestCase):
         self.assertLess(self.driver.distance(5.9, 0.0), 0.2)
         self.assertEqual({name: message.header.frame_id for name, message in shown.items()}, frames)
         self.assertAlmostEqual(shown["GridPlanner/plan"].poses[-1].pose.position.x, 5.9, delta=0.05)
-
-
-if __name__ == "__main__":
-    init_node("navigation_faults")
-    rostest.rosrun("rosoclingo", "navigation_faults", NavigationFaults, sys.argv)

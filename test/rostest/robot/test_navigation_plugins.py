@@ -1,18 +1,11 @@
-#!/usr/bin/env python3
 """Plugins by class path: they drive the robot, have their own parameters and topics, and fail only for their goal."""
 
-import pathlib
-import sys
 import unittest
 
 import rospy
-import rostest
+from interface_helpers import wait_to_hear, wait_until
 from move_base_msgs.msg import RecoveryStatus
 from nav_msgs.msg import OccupancyGrid, Path
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-
-from interface_helpers import init_node, wait_to_hear, wait_until
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
 
 
@@ -84,8 +77,3 @@ class NavigationPlugins(unittest.TestCase):
         self.assertEqual(self.driver.end()[0], PREEMPTED)
         x, y, _ = self.driver.pose
         self.assertEqual(self.driver.drive(x, y)[0], SUCCEEDED)
-
-
-if __name__ == "__main__":
-    init_node("navigation_plugins")
-    rostest.rosrun("rosoclingo", "navigation_plugins", NavigationPlugins, sys.argv)

@@ -1,17 +1,15 @@
-#!/usr/bin/env python3
 """The office node: effects of its servers on the packages, with the robot here, there, and at no known place."""
 
-import sys
 import threading
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 import tf2_ros
 from actionlib import ActionClient, GoalStatus
 from actionlib.action_client import CommState
+from documented_names import check_names
 from geometry_msgs.msg import TransformStamped
+from interface_helpers import Process, executable, refuses, wait_for_server, wait_until
 from rosoclingo.msg import (
     PackageStates,
     PickupAction,
@@ -21,11 +19,6 @@ from rosoclingo.msg import (
 from rosoclingo.srv import PutPackage
 
 from rosoclingo.robot.nodes.office import OfficeNode
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from documented_names import check_names
-from interface_helpers import Process, executable, init_node, refuses, wait_for_server, wait_until
 
 
 class Robot:
@@ -56,7 +49,6 @@ def places_in(message):
 class Office(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        init_node("office_test")
         cls.robot = Robot()
         cls.places = {}
         rospy.Subscriber("packages", PackageStates, cls.note)
@@ -145,7 +137,3 @@ class Office(unittest.TestCase):
         ):
             values = {"labels": {"b": [1, 2]}, **parameters} if parameters else {}
             refuses(OfficeNode, fault, **values)
-
-
-if __name__ == "__main__":
-    rostest.rosrun("rosoclingo", "office_test", Office, sys.argv)

@@ -1,16 +1,13 @@
-#!/usr/bin/env python3
 """The simulator's topics and services: rates, frames, watchdog, pause and step, doors, obstacles, poses, reset."""
 
 import math
-import sys
 import threading
 import unittest
-from pathlib import Path
 
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import Twist, Vector3
+from interface_helpers import PATIENCE, kill, wait_to_hear, wait_until
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from rosoclingo.srv import PutObstacle, RemoveObstacle, SetDoor, SetRobotPose, SetSpeed, StepSimulation
@@ -18,10 +15,6 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from std_srvs.srv import Empty, SetBool
 from tf2_msgs.msg import TFMessage
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import PATIENCE, init_node, kill, wait_to_hear, wait_until
 
 START = (1.9, 0.0)
 
@@ -187,8 +180,3 @@ class SimulatorTest(unittest.TestCase):
         kept = rospy.get_param("/simulator/kept", {"robots": {}})
         x, y, yaw = kept["robots"].get("mailbot", [0.0] * 6)[:3]
         return (x, y) == (pose.position.x, pose.position.y) and abs(math.sin(yaw / 2.0) - pose.orientation.z) < 1e-9
-
-
-if __name__ == "__main__":
-    init_node("simulator_test")
-    rostest.rosrun("rosoclingo", "simulator_test", SimulatorTest, sys.argv)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The first launch, and a robot whose goal is cancelled, whose parts end or are killed: requests are met.
 
 Of the first launch numba's cache is empty; a goal that is sent at once succeeds, and the delay is explained.
@@ -6,25 +5,19 @@ Of the first launch numba's cache is empty; a goal that is sent at once succeeds
 
 import os
 import shutil
-import sys
 import unittest
-from pathlib import Path
 
 import rosnode
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from core_helpers import Client
+from interface_helpers import PATIENCE, kill, send_request, wait_for_server, wait_to_hear
+from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 from rosgraph_msgs.msg import Log
 from rosoclingo.msg import InterfaceIO, PackageStates, PickupAction, PickupGoal
 from rosoclingo.srv import SetSpeed
 
 from rosoclingo.reasoning.keywords import CORE
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from core_helpers import Client
-from interface_helpers import PATIENCE, init_node, kill, send_request, suite_of, wait_for_server, wait_to_hear
-from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, SteadyClient, pose_goal
 
 COMPILING = 500.0  # limit in seconds of wall time: a minute of computing, on any busy machine
 
@@ -46,7 +39,7 @@ class FirstLaunch(unittest.TestCase):
         self.assertIn("/move_base: compiling navigation once", text)
         self.assertIn("/move_base_interface: move_base: waiting for the action server move_base to start", text)
         self.assertNotIn("server_lost", text)
-        self.assertTrue(os.listdir(rospy.myargv()[1]), "nothing was kept")
+        self.assertTrue(os.listdir(rospy.myargv()[2]), "nothing was kept")
 
 
 class Preemption(unittest.TestCase):
@@ -120,6 +113,10 @@ class TimeJump(unittest.TestCase):
 class Killed(unittest.TestCase):
     """Each part of the robot and of the interface layer is killed while a request is under way."""
 
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(rospy.myargv()[2], ignore_errors=True)
+
     def drives(self):
         self.driver.wait(lambda: self.driver.speed[0] > 0.3)
 
@@ -144,14 +141,3 @@ class Killed(unittest.TestCase):
             kill("simulator", "move_base", "move_base_interface", "office")
             self.assertEqual(request.wait()[0], 0)
         self.assertEqual(self.place("1"), "office2")
-
-
-Suite = suite_of(FirstLaunch, Preemption, TimeJump, Killed)
-
-if __name__ == "__main__":
-    folder = rospy.myargv()[1]
-    init_node("time_jump")
-    try:
-        rostest.rosrun("rosoclingo", "time_jump", "test_time_jump.Suite", sys.argv)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)

@@ -1,24 +1,17 @@
-#!/usr/bin/env python3
 """Two robots: namespaces and frames as in stage_ros, and both pass each other in a corridor."""
 
 import math
-import sys
 import unittest
-from pathlib import Path
 
 import rosgraph
 import rospy
-import rostest
 from geometry_msgs.msg import Twist
+from interface_helpers import PATIENCE
 from nav_msgs.msg import OccupancyGrid, Odometry
+from navigation_helpers import SUCCEEDED, Driver, pose_goal
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
 from tf2_msgs.msg import TFMessage
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import PATIENCE, init_node
-from navigation_helpers import SUCCEEDED, Driver, pose_goal
 
 
 class TwoRobots(unittest.TestCase):
@@ -76,8 +69,3 @@ class TwoRobots(unittest.TestCase):
         self.assertEqual([driver.end() for driver in self.drivers], [(SUCCEEDED, "Goal reached.")] * 2)
         self.assertLess(anna.distance(13.0, 0.0), 0.2)
         self.assertLess(bert.distance(2.0, 0.0), 0.2)
-
-
-if __name__ == "__main__":
-    init_node("two_robots")
-    rostest.rosrun("rosoclingo", "two_robots", TwoRobots, sys.argv)

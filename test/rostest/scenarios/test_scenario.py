@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Plays shipped scenarios in the whole system: core, interfaces, office, recorder, and simulator and navigation.
 
 Simulated time runs fast once all nodes are up: before, its steps would only delay their start.
@@ -9,7 +8,6 @@ import json
 import os
 import re
 import shutil
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -17,7 +15,7 @@ from pathlib import Path
 import rosbag
 import rosnode
 import rospy
-import rostest
+from interface_helpers import PATIENCE, wait_until
 from rosoclingo.srv import SetSpeed
 
 from rosoclingo.nodes.pages.report_command import write_report
@@ -26,11 +24,11 @@ from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
 from rosoclingo.nodes.scenarios.playing import find_scenario, run_scenario
 from rosoclingo.reasoning.keywords import CORE
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import PATIENCE, wait_until
-
-OPTIONS = argparse.Namespace()
+PARSER = argparse.ArgumentParser()
+PARSER.add_argument("--scenarios", nargs="+", required=True)
+PARSER.add_argument("--bag", required=True)
+PARSER.add_argument("--quick-robot", action="store_true")
+OPTIONS = PARSER.parse_known_args(rospy.myargv()[2:])[0]
 SPEED = 10.0  # simulated seconds per second
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
@@ -109,7 +107,7 @@ class ScenarioTest(unittest.TestCase):
         """Check that the report has the events of the bag."""
         page = Path(OPTIONS.bag).with_suffix(".html")
         self.addCleanup(page.unlink)
-        write_report(Path(OPTIONS.bag), page, about={"title": OPTIONS.name, "verdict": []})
+        write_report(Path(OPTIONS.bag), page, about={"title": "scenarios", "verdict": []})
         data = re.search(r'id="run">(.*?)</script>', page.read_text(encoding="utf-8"), re.DOTALL)
         run = json.loads(data.group(1))
         self.assertEqual(sorted(goal["states"][-1][1] for _, goal in run["goals"]), sorted(goals))
@@ -118,14 +116,3 @@ class ScenarioTest(unittest.TestCase):
         if not OPTIONS.quick_robot:
             self.assertTrue(run["poses"])
             self.assertIn("way", [shape["kind"] for _, shape in run["shapes"]])
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--scenarios", nargs="+", required=True)
-    parser.add_argument("--name", required=True)
-    parser.add_argument("--bag", required=True)
-    parser.add_argument("--quick-robot", action="store_true")
-    OPTIONS, _ = parser.parse_known_args(rospy.myargv()[1:])
-    rospy.init_node("test_scenario")
-    rostest.rosrun("rosoclingo", OPTIONS.name, ScenarioTest, sys.argv)

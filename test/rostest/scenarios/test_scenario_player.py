@@ -1,18 +1,15 @@
-#!/usr/bin/env python3
 """A scenario ends after its time, and also when the source of simulated time is gone.
 
 It is judged by all messages about its end, including those after the last goal's status.
 """
 
 import itertools
-import sys
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import rospy
-import rostest
 import yaml
+from interface_helpers import wait_until
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from std_msgs.msg import String
@@ -21,10 +18,6 @@ from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.scenarios import player as scenario_player
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
 from rosoclingo.runs.scenario import Scenario
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from interface_helpers import init_node, wait_until
 
 SCENARIO = "{title: test, events: [{time: 50.0, request: 'goal(office1,office2,1)'}], timeout: 20.0}"
 
@@ -96,8 +89,3 @@ class ScenarioPlayerTest(unittest.TestCase):
     def test_player_reports_a_cancel_of_nothing(self):
         player = ScenarioPlayer(read("events: [{time: 0, cancel: 5}]"), [], print, self.tick)
         self.assertRaisesRegex(PlayError, "cancel 5: no goal 5 was sent before", player.play)
-
-
-if __name__ == "__main__":
-    init_node("scenario_player_test")
-    rostest.rosrun("rosoclingo", "scenario_player", ScenarioPlayerTest, sys.argv)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """doc/tutorial.md: its files are written, its commands run, and the outputs compared with the page."""
 
 import contextlib
@@ -6,18 +5,13 @@ import os
 import re
 import shlex
 import signal
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 import tf2_ros  # noqa: F401 - the launched nodes need it: this file is skipped without it
 from actionlib_msgs.msg import GoalStatusArray
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
 from interface_helpers import PATIENCE, OutputProcess, Process, executable
 
 PAGE = (Path(__file__).resolve().parents[3] / "doc" / "tutorial.md").read_text()
@@ -104,8 +98,3 @@ class Tutorial(unittest.TestCase):
         """Press Ctrl-C in a terminal, and wait."""
         process.signal(signal.SIGINT)
         process.wait()
-
-
-if __name__ == "__main__":
-    rospy.init_node("tutorial_test")
-    rostest.rosrun("rosoclingo", "tutorial", Tutorial, sys.argv)
