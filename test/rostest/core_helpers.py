@@ -28,24 +28,27 @@ def start_core(namespace, *words, **parameters):
 class ManualInterfaces:
     """A manual interface layer: receives the core's commands and answers them on demand, or at once."""
 
-    def __init__(self, namespace=""):
+    def __init__(self, core="rosoclingo"):
+        self._core = rospy.resolve_name(core)
+        space = rospy.names.namespace(self._core)
         self._commands = queue.Queue()
         self._open = []
         self.seen, self.runs = [], []
         self.at_once = False
-        self._publisher = rospy.Publisher(namespace + "in_rosoclingo", InterfaceIO, queue_size=100)
-        self._subscriber = rospy.Subscriber(namespace + "out_rosoclingo", InterfaceIO, self._note)
+        self._publisher = rospy.Publisher(space + "in_rosoclingo", InterfaceIO, queue_size=1000)
+        self._subscriber = rospy.Subscriber(space + "out_rosoclingo", InterfaceIO, self._note)
+        self.connect()
 
-    def wait_for(self, core):
+    def connect(self):
         """Wait until the connections with the core exist in both directions."""
-        wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
-        wait_to_hear(self._subscriber, nodes=[core])
+        wait_until(lambda: self._publisher.impl.has_connection(self._core), "the core to listen")
+        wait_to_hear(self._subscriber, nodes=[self._core])
 
-    def renew_publisher(self, core):
+    def renew_publisher(self):
         """Send facts over another connection from now on; commands arrive over the same one."""
         self._publisher.unregister()
-        self._publisher = rospy.Publisher(self._publisher.name, InterfaceIO, queue_size=100)
-        wait_until(lambda: self._publisher.impl.has_connection(core), "the core to listen")
+        self._publisher = rospy.Publisher(self._publisher.name, InterfaceIO, queue_size=1000)
+        self.connect()
 
     def _note(self, message):
         if message.interface == CORE:

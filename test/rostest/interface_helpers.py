@@ -3,14 +3,12 @@
 import os
 import queue
 import re
-import resource
 import signal
 import subprocess
 import threading
-import time
 import unittest
 import xmlrpc.client
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 import rosgraph
@@ -20,14 +18,13 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Log
 from rosoclingo.msg import InterfaceIO
+from waiting import PATIENCE, wait_until
 
 from rosoclingo.common.connections import is_delivered_to
 from rosoclingo.common.parameters import ParameterError
 from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.common.registration import Registration
 from rosoclingo.common.xmlrpc_api import FAULTS, api
-
-PATIENCE = 300.0  # seconds of wall time; long, so that no test depends on the speed or load of the machine
 
 
 def base_at(x, y):
@@ -43,15 +40,6 @@ def init_node(name):
     """Initialize the test as a node, which finds publishers that rospy has missed as the package's own nodes do."""
     rospy.init_node(name)
     Registration()
-
-
-def wait_until(condition, what):
-    """Wait for a condition in wall time, as simulated time can stand still; the polling slows down."""
-    end, pause = time.monotonic() + PATIENCE, 0.01
-    while not condition():
-        assert time.monotonic() < end, f"timed out: {what}"
-        time.sleep(pause)
-        pause = min(1.1 * pause, 0.05)
 
 
 def executable(name):
@@ -190,18 +178,6 @@ def kill(*nodes):
         os.kill(process, signal.SIGKILL)
     for node, process in processes.items():
         wait_until(lambda one=node, old=process: is_another(one, old), f"{node} to be started again")
-
-
-@contextmanager
-def full_disk(process, room=0):
-    """Limit the size of a process's files, for any user: EFBIG stands for ENOSPC."""
-    limit = resource.prlimit(process, resource.RLIMIT_FSIZE)
-    resource.prlimit(process, resource.RLIMIT_FSIZE, (room, limit[1]))
-    try:
-        yield
-    finally:
-        with suppress(ProcessLookupError):  # it was perhaps killed
-            resource.prlimit(process, resource.RLIMIT_FSIZE, limit)
 
 
 def wait_for_diagnosis(name, condition, what):

@@ -9,8 +9,9 @@ import tempfile
 import time
 from contextlib import suppress
 
+from waiting import PATIENCE, wait_until
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
-PATIENCE = 300.0  # seconds of wall time for an answer, on a slow or busy machine
 OPTIONS = (
     "--headless",
     "--no-sandbox",  # which containers do not allow
@@ -58,7 +59,7 @@ class Browser:
         os.close(in_read)
         os.close(out_write)
         self._session = None
-        targets = self._wait_for(lambda: self._pages())
+        targets = wait_until(self._pages, "the page")
         self._session = self.call("Target.attachToTarget", targetId=targets[0], flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
@@ -114,15 +115,6 @@ class Browser:
             self.faults.append(message["params"]["entry"]["text"])
         return message
 
-    def _wait_for(self, condition):
-        end = time.monotonic() + PATIENCE
-        while True:
-            value = condition()
-            if value:
-                return value
-            assert time.monotonic() < end, "it did not come"
-            time.sleep(0.05)
-
     # ---- the page ---------------------------------------------------------------------------------------------------
 
     def size(self, width, height):
@@ -154,7 +146,7 @@ class Browser:
                 return self.run(script)
             return None
 
-        return self._wait_for(value)
+        return wait_until(value, script)
 
     def text(self, selector):
         """Return the visible text of the first element of a selector."""
@@ -168,11 +160,8 @@ class Browser:
         """Press a key, in an element if one is named."""
         if selector is not None:
             self.run(f"document.querySelector({json.dumps(selector)}).focus()")
-        typed = {"text": "\r"} if key == "Enter" else {}
         for kind in ("keyDown", "keyUp"):
-            self.call(
-                "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=_CODES[key], **typed
-            )
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=_CODES[key])
 
     def click(self, selector):
         """Click on the middle of an element."""
@@ -203,4 +192,4 @@ class Browser:
         self.run(f"{select}.value = {value!r}; {select}.dispatchEvent(new Event('change'))")
 
 
-_CODES = {"ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35, "Tab": 9, "Enter": 13}
+_CODES = {"ArrowLeft": 37, "ArrowRight": 39, "Home": 36, "End": 35}

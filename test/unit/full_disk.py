@@ -1,15 +1,18 @@
-"""A full disk, for the files that this process writes."""
+"""A full disk, for the files that a process writes."""
 
 import resource
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+
+THIS_PROCESS = 0
 
 
 @contextmanager
-def room_for(size):
-    """Limit files of this process to ``size`` bytes: EFBIG stands for ENOSPC."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+def room_for(size, process=THIS_PROCESS):
+    """Limit the files of a process to ``size`` bytes, for any user: EFBIG stands for ENOSPC."""
+    before = resource.prlimit(process, resource.RLIMIT_FSIZE)
+    resource.prlimit(process, resource.RLIMIT_FSIZE, (size, before[1]))
     try:
         yield
     finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        with suppress(ProcessLookupError):  # it was perhaps killed
+            resource.prlimit(process, resource.RLIMIT_FSIZE, before)

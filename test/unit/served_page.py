@@ -4,7 +4,6 @@ import asyncio
 import json
 import socket
 import threading
-import time
 from contextlib import contextmanager
 from http.client import HTTPResponse
 from pathlib import Path
@@ -14,12 +13,12 @@ from urllib.request import HTTPRedirectHandler, Request, build_opener
 from published_runs import delivery
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
+from waiting import PATIENCE
 
 from rosoclingo.nodes.pages.access import Access
 from rosoclingo.nodes.pages.page_server import PageServer
 
 WEB = Path(__file__).resolve().parents[2] / "web"
-PATIENCE = 300.0
 
 
 class Served:
@@ -75,12 +74,52 @@ class Served:
             answer.begin()
             return answer.status, b"" if answer.status == 101 else answer.read()
 
-    async def connect(self, origin=None, **headers):
+    def connect(self, origin=None, **headers):
+        """Return a viewer; the headers are those of its request, which has by default the origin of this page."""
         headers["Origin"] = self.address if origin is None else origin
-        request = HTTPRequest(
-            f"ws://127.0.0.1:{self.port}/run", headers={key: value for key, value in headers.items() if value}
-        )
-        return await asyncio.wait_for(websocket_connect(request), PATIENCE)
+        given = {key: value for key, value in headers.items() if value}
+        return Viewer(HTTPRequest(f"ws://127.0.0.1:{self.port}/run", headers=given))
+
+
+class Viewer:
+    """A viewer of the page; its methods run its connection. Raises HTTPClientError if the server refuses it."""
+
+    loop = asyncio.new_event_loop()
+
+    def __init__(self, request):
+        self._client = self._run(websocket_connect, request)
+
+    def _run(self, function, *arguments):
+        async def run():
+            return await asyncio.wait_for(function(*arguments), PATIENCE)
+
+        return self.loop.run_until_complete(run())
+
+    def send(self, text):
+        """Send a text."""
+        self._run(self._client.write_message, text)
+
+    def receive(self):
+        """Return the next message, None if the server has closed the connection."""
+        text = self._run(self._client.read_message)
+        return None if text is None else json.loads(text)
+
+    def answer(self):
+        """Return the next answer, None if the connection is closed."""
+        message = self.receive()
+        while message is not None and "answer" not in message:
+            message = self.receive()
+        return message and message["answer"]
+
+    def end(self):
+        """Read up to the end of the connection; return its code."""
+        while self.receive() is not None:
+            pass
+        return self._client.close_code
+
+    def close(self):
+        """Close the connection."""
+        self._client.close()
 
 
 class Stay(HTTPRedirectHandler):
@@ -95,29 +134,3 @@ def serving(view=None, token="", port=0, take=None):
         yield served
     finally:
         served.server.stop(PATIENCE)
-
-
-def play(scene):
-    """Run a scene of clients."""
-    return asyncio.new_event_loop().run_until_complete(asyncio.wait_for(scene, 3 * PATIENCE))
-
-
-async def next_message(client):
-    """Return the next message, None if the server has closed the connection."""
-    text = await asyncio.wait_for(client.read_message(), PATIENCE)
-    return None if text is None else json.loads(text)
-
-
-def wait_until(condition):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-async def answered(client):
-    """Return the next answer, None if the connection is closed."""
-    while True:
-        found = await next_message(client)
-        if found is None or "answer" in found:
-            return found and found["answer"]

@@ -25,7 +25,6 @@ class Core(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.hands = ManualInterfaces()
-        cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
         cls.updates = Updates()
         cls.number = 0
@@ -116,16 +115,6 @@ class Core(unittest.TestCase):
         for words, code in (([self.errand()], 0), (["do("], 3), ([self.errand("never")], 4), (nobody, 5)):
             with send_request(*words) as request:
                 self.assertEqual(request.wait()[0], code)
-
-    def test_request_in_plain_words_is_understood(self):
-        self.hands.tell(origin="walk")  # announced, since another test has announced an interface of this node
-        text = self.errand()
-        with send_request("--plain", text) as client:
-            command = self.hands.take()
-            number = command.split(",")[1]
-            client.lines_until(f"walks {number}")
-            self.hands.succeed(command)
-            self.assertEqual(client.wait(), (0, f"{text}: done\n"))
 
     def test_watch_joins_a_run_and_ends_with_a_summary(self):
         before = self.client.send(self.errand())

@@ -17,9 +17,7 @@ class CoreDefence(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.hands = ManualInterfaces()
-        cls.hands.wait_for("/rosoclingo")
-        cls.arms = ManualInterfaces("/arms/")
-        cls.arms.wait_for("/arms/rosoclingo")
+        cls.arms = ManualInterfaces("arms/rosoclingo")
         cls.client = Client()
         cls.updates = Updates()
 

@@ -134,12 +134,10 @@ class CoreInterrupted(unittest.TestCase):
             wait_until(lambda: all(map(gone, pids)), "the end of the solver's process")
 
     def test_ctrl_c_cancels_running_actions_but_death_does_not(self):
-        hands = ManualInterfaces("moving/")
         with tempfile.TemporaryDirectory() as folder:
             settings = {"journal": folder, "resume": "yes", "action_timeout": 0}
             with core("moving", **settings) as process:
-                hands.wait_for("/moving/rosoclingo")
-                client = Client("moving/rosoclingo")
+                hands, client = ManualInterfaces("moving/rosoclingo"), Client("moving/rosoclingo")
                 client.send("do(walk,1)")
                 walk = hands.take()
                 for number in (2, 3):

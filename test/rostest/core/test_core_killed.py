@@ -9,9 +9,9 @@ from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
 from core_helpers import Client, ManualInterfaces
 from diagnostic_msgs.msg import DiagnosticStatus
+from full_disk import room_for
 from interface_helpers import (
     PATIENCE,
-    full_disk,
     heard_log,
     kill,
     process_of,
@@ -37,7 +37,7 @@ class CoreKilled(unittest.TestCase):
         cls.hands, cls.client = ManualInterfaces(), Client()
 
     def setUp(self):
-        self.hands.wait_for(NODE)
+        self.hands.connect()
         self.hands.at_once = False
         self.hands.clear()
         self.said.clear()
@@ -89,7 +89,7 @@ class CoreKilled(unittest.TestCase):
         goal, command = self.begin("do(walk,30)")
         self.hands.tell(origin="walk")
         wait_for_diagnosis("rosoclingo: core", lambda one: values_of(one)["interfaces"] == "walk", "the interface")
-        self.hands.renew_publisher(NODE)
+        self.hands.renew_publisher()
         self.hands.tell(origin="walk")
         self.assertEqual(self.hands.take(), command)
         self.hands.succeed(command)
@@ -101,7 +101,7 @@ class CoreKilled(unittest.TestCase):
         )
 
     def test_full_disk_stops_neither_robot_nor_later_journal(self):
-        with full_disk(process_of(NODE)):
+        with room_for(0, process_of(NODE)):
             first, command = self.begin("do(walk,1)")
             self.wait_for_trouble()
             self.assertTrue(self.stale.exists())
@@ -119,7 +119,7 @@ class CoreKilled(unittest.TestCase):
         self.assertEqual(set(self.hands.runs), runs)
 
     def test_core_killed_on_full_disk_begins_a_new_run(self):
-        with full_disk(process_of(NODE)):
+        with room_for(0, process_of(NODE)):
             lost, _ = self.begin("do(walk,3)")
             self.wait_for_trouble()
             runs = self.kill()

@@ -1,4 +1,4 @@
-"""core.launch as it stands: a killed core comes back, a core that cannot start ends its roslaunch."""
+"""core.launch as it stands: a core that cannot start or go on ends its roslaunch; core_killed.test has kills."""
 
 import contextlib
 import os
@@ -9,10 +9,8 @@ import unittest
 from pathlib import Path
 
 import rospy
-from actionlib.action_client import CommState
-from actionlib_msgs.msg import GoalStatus
-from core_helpers import ERRANDS, Client, ManualInterfaces, start_core
-from interface_helpers import PATIENCE, OutputProcess, kill, process_of, wait_until
+from core_helpers import ERRANDS, start_core
+from interface_helpers import PATIENCE, OutputProcess, process_of
 from rosoclingo.msg import TaskPlan
 
 NODE = "/rosoclingo"
@@ -52,21 +50,11 @@ class CoreLaunch(unittest.TestCase):
         for words in (f"{file.name}:2", "unsafe", "a restart cannot help: ending roslaunch"):
             self.assertIn(words, text)
 
-    def test_killed_core_resumes_until_its_name_is_taken(self):
+    def test_core_whose_name_is_taken_ends_roslaunch(self):
         with core_launch(programs=f"[{ERRANDS}]") as launch:
-            hands, client = ManualInterfaces(), Client()
-            hands.wait_for(NODE)
-            goal = client.send("do(walk,1)")
-            command = hands.take()
-            kill(NODE)
-            self.assertEqual(hands.take(), command)
-            hands.at_once = True  # repeatedly, as the new core is perhaps not yet connected
-            wait_until(lambda: hands.succeed(command) or CommState.DONE in goal.states, "the goal to end")
-            goal.ends_as(GoalStatus.SUCCEEDED)
-            self.assertEqual(len(set(hands.runs)), 1)
-            self.assertTrue(launch.running)
+            self.wait_for_core()
             with start_core("/", journal="none"):
-                self.assertIn("new node registered with same name", self.ends(launch, starts=2))
+                self.assertIn("new node registered with same name", self.ends(launch, starts=1))
 
     def test_refused_journal_ends_roslaunch(self):
         with tempfile.TemporaryDirectory() as folder, core_launch(programs=f"[{ERRANDS}]", journal=folder) as launch:

@@ -1,4 +1,4 @@
-"""Texts of the program for clients, goals that no rule sees, a control program, and a missing interface."""
+"""Texts of the program for clients, a control program, and a missing interface."""
 
 import unittest
 
@@ -12,7 +12,6 @@ from interface_helpers import (
     Server,
     executable,
     heard_log,
-    send_request,
     values_of,
     wait_for_diagnosis,
     wait_until,
@@ -27,7 +26,6 @@ class CoreWords(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.hands = ManualInterfaces()
-        cls.hands.wait_for("/rosoclingo")
         cls.goals = GoalStates()
         cls.subscriber = rospy.Subscriber(
             "rosoclingo/goals", GoalStates, lambda message: setattr(cls, "goals", message)
@@ -55,16 +53,9 @@ class CoreWords(unittest.TestCase):
         wait_until(lambda: goal.entry(self.goals).reason == text, f"the topic to say '{text}'")
         self.assertEqual(goal.entry(self.goals).status, GoalStatus.ACTIVE)
 
-    def test_request_fails_for_a_goal_that_no_rule_sees(self):
-        with send_request("gaol(office3,office2,1)", ROS_NAMESPACE="/paper") as request:
-            code, printed = request.wait()
-        self.assertEqual(code, 3, printed)
-        self.assertIn("did you mean goal(office3,office2,1)?", printed)
-
     def test_control_program_is_executed(self):
-        hands = ManualInterfaces("suitcase/")
+        hands = ManualInterfaces("suitcase/rosoclingo")
         hands.at_once = True
-        hands.wait_for("/suitcase/rosoclingo")
         Client("suitcase/rosoclingo").send("run(open_it,1)").ends_as(GoalStatus.SUCCEEDED)
         latches = sorted(latch for fact in hands.seen for latch in ("left", "right") if f"flip({latch})" in fact)
         self.assertEqual(latches, ["left", "right"], hands.seen)

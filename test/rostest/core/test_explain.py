@@ -19,7 +19,6 @@ class ExplainGoals(unittest.TestCase):
     def setUp(self):
         self.hands = ManualInterfaces()
         self.hands.at_once = True
-        self.hands.wait_for("/rosoclingo")
         self.client = Client()
         rospy.wait_for_service("/rosoclingo/explain", PATIENCE)
         self.explain = rospy.ServiceProxy("/rosoclingo/explain", Explain)

@@ -16,7 +16,6 @@ FLOOD = str(Path(__file__).with_name("flood.py"))
 class Flood(unittest.TestCase):
     def setUp(self):
         self.hands, self.client, self.updates = ManualInterfaces(), Client(), Updates()
-        self.hands.wait_for("/rosoclingo")
 
     def test_goals_are_served_during_a_flood_of_facts(self):
         report, updates = wait_for_diagnosis(CORE, lambda _: True, "a report"), len(self.updates.texts)

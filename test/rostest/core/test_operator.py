@@ -36,7 +36,7 @@ class Operator(unittest.TestCase):
         shutil.rmtree(rospy.myargv()[2], ignore_errors=True)
 
     def setUp(self):
-        self.hands.wait_for(NODE)
+        self.hands.connect()
         rospy.wait_for_service("rosoclingo/stop", PATIENCE)
         self.pause(False)
         self.wait_for_mode("running")
@@ -67,7 +67,7 @@ class Operator(unittest.TestCase):
         wait_for_diagnosis("rosoclingo: core", warns_of_pause, "the pause on /diagnostics")
         wait_until(lambda: any("paused" in one.status for one in second.feedback), "the feedback to say so")
         kill(NODE)
-        self.hands.wait_for(NODE)
+        self.hands.connect()
         self.wait_for_mode("paused")
         third = self.walk()
         wait_until(third.has_arrived, "a goal to arrive at the resumed core")

@@ -50,8 +50,7 @@ class OperatedPages(unittest.TestCase):
         for node in ("core", "web"):
             full = core if node == "core" else web
             self.ends.enter_context(Process(executable(node), f"__name:={Path(full).name}", f"__ns:=/{name}"))
-        self.hands = Hands(f"/{name}/")
-        self.hands.wait_for(core)
+        self.hands = Hands(core)
         self.page.open(rospy.wait_for_message(f"{web}/address", String).data)
         self.page.wait_for("document.getElementById('now').textContent === 'Idle: no open goals'")
         self.page.wait_for("document.getElementById('light').textContent === 'All is well'")

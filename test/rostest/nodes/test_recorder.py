@@ -9,10 +9,10 @@ from pathlib import Path
 import rosbag
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from full_disk import room_for
 from interface_helpers import (
     Process,
     executable,
-    full_disk,
     process_of,
     send_request,
     wait_for_diagnosis,
@@ -101,7 +101,7 @@ class Recorder(unittest.TestCase):
             wait_until(recording, "the recorder to be connected")
             publisher.publish("before")
             wait_until(lambda: b"before" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
-            with full_disk(process_of("/record"), room=unfinished_path(self.bag).stat().st_size):
+            with room_for(unfinished_path(self.bag).stat().st_size, process_of("/record")):
                 publisher.publish("lost")
                 is_full = re.compile(r"the bag .*/run\.bag cannot be written: .*File too large").match
                 wait_for_diagnosis("rosoclingo: recorder", lambda one: is_full(one.message), "the trouble")

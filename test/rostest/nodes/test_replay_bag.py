@@ -19,19 +19,18 @@ from random import Random
 
 import rosbag
 import rospy
-from actionlib import ActionClient
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
 from carrying_world import HOUSE, OFFICE, ROBOT, Play
-from interface_helpers import PATIENCE, Process, executable, wait_for_server, wait_to_hear, wait_until
-from rosoclingo.msg import GoalStates, InterfaceIO, ROSoClingoAction, ROSoClingoGoal
+from core_helpers import Client, ManualInterfaces
+from interface_helpers import PATIENCE, Process, executable, wait_until
+from rosoclingo.msg import GoalStates, ROSoClingoGoal
 
 from rosoclingo.common.action_clients import cancel_goal
 from rosoclingo.nodes.recording.recorder import is_recording
 from rosoclingo.oclingo import SolveOutcome
 from rosoclingo.oclingo.service.command import UNSATISFIABLE
 from rosoclingo.reasoning.goals import Outcome
-from rosoclingo.reasoning.keywords import CORE
 
 SEED = int(os.environ.get("ROSOCLINGO_SEED", "1"))
 GOALS = int(os.environ.get("ROSOCLINGO_GOALS", "5"))
@@ -55,21 +54,17 @@ ENDS = {  # a goal that is recalled before it arrives has no result of its own
 LIMIT = 1500  # seconds of wall time for a command, on the slowest machine
 
 
-class Stage:
-    """The core node ``name/rosoclingo``, and a play of ``goals`` around it."""
+class Stage(ManualInterfaces):
+    """The core node ``name/rosoclingo``, and a play of ``goals`` around it, which answers the core's commands."""
 
     def __init__(self, name, domain, seed, goals):
         self._happened = queue.Queue()
         self._handles = {}
         self._cancelled = set()
         self.play = Play(domain, self, Random(seed), goals)
-        self._publisher = rospy.Publisher(name + "/in_rosoclingo", InterfaceIO, queue_size=1000)
-        self._subscriber = rospy.Subscriber(name + "/out_rosoclingo", InterfaceIO, self._note)
-        self._client = ActionClient(name + "/rosoclingo", ROSoClingoAction)
-        wait_for_server(self._client)
-        core = f"/{name}/rosoclingo"
-        wait_until(lambda: self._publisher.impl.has_connection(core), f"{core} to listen")
-        wait_to_hear(self._subscriber, nodes=[core])
+        super().__init__(f"{name}/rosoclingo")
+        self.at_once = True
+        self._client = Client(f"{name}/rosoclingo").raw
 
     def send(self, key, text):
         """Send a goal."""
@@ -83,11 +78,11 @@ class Stage:
 
     def tell(self, facts):
         """Send facts as an interface."""
-        self._publisher.publish(InterfaceIO("world", facts))
+        super().tell(*facts, origin="world")
 
-    def _note(self, message):
-        for fact in message.facts if message.interface != CORE else ():
-            self._happened.put((self.play.command, (fact,)))
+    def succeed(self, command):
+        """Let the play answer a command."""
+        self._happened.put((self.play.command, (command,)))
 
     def _cancel(self, key, handle):
         if key in self._cancelled and handle.get_comm_state() in (CommState.PENDING, CommState.ACTIVE):

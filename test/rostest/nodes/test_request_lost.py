@@ -43,8 +43,7 @@ class RequestLost(unittest.TestCase):
 
     def asks(self, namespace):
         """Start a request whose action is under way."""
-        hands = ManualInterfaces(f"{namespace}/")
-        hands.wait_for(f"/{namespace}/rosoclingo")
+        hands = ManualInterfaces(f"{namespace}/rosoclingo")
         request = ask(f"{namespace}/rosoclingo")
         return hands, hands.take(), request
 
@@ -77,8 +76,7 @@ class RequestLost(unittest.TestCase):
     def test_request_waits_for_time_to_begin(self):
         other = "/clock:=/late_clock"
         with start_core("early", other), ask("early/rosoclingo", other) as request:
-            hands = ManualInterfaces("early/")
-            hands.wait_for("/early/rosoclingo")
+            hands = ManualInterfaces("early/rosoclingo")
             for _ in range(int(4 * SILENCE)):
                 self.assertTrue(request.running, "the core is there, and waits for time to begin")
                 threading.Event().wait(1.0)

@@ -32,7 +32,6 @@ class WebPage(unittest.TestCase):
     def setUpClass(cls):
         cls.hands = ManualInterfaces()
         cls.hands.at_once = True
-        cls.hands.wait_for("/rosoclingo")
         cls.client = Client()
         for topic in TOPICS:
             wait_until(lambda topic=topic: is_delivered_to("/web", topic), f"{topic} to come to the page's node")
@@ -77,7 +76,7 @@ class WebPage(unittest.TestCase):
         self.goals("done,rejected,lost")
         self.connected()
         self.hands.at_once = True
-        self.hands.wait_for("/rosoclingo")
+        self.hands.connect()
         wait_for_server(self.client.raw)
         self.client.send("goal(office3,office4,2)").ends_as(GoalStatus.SUCCEEDED)
         self.goals("done,rejected,lost,done")

@@ -8,8 +8,7 @@ import tf2_ros
 from actionlib import ActionClient, GoalStatus
 from actionlib.action_client import CommState
 from documented_names import check_names
-from geometry_msgs.msg import TransformStamped
-from interface_helpers import Process, executable, refuses, wait_for_server, wait_until
+from interface_helpers import Process, base_at, executable, refuses, wait_for_server, wait_until
 from rosoclingo.msg import (
     PackageStates,
     PickupAction,
@@ -32,11 +31,8 @@ class Robot:
     def _run(self):
         while not rospy.is_shutdown():
             if self.x is not None:
-                transform = TransformStamped(child_frame_id="base_link")
-                transform.header.frame_id = "map"
+                transform = base_at(self.x, 0.0)
                 transform.header.stamp = rospy.get_rostime()
-                transform.transform.translation.x = self.x
-                transform.transform.rotation.w = 1.0
                 self._broadcaster.sendTransform(transform)
             rospy.sleep(0.02)
 

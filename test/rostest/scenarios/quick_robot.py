@@ -16,9 +16,9 @@ from move_base_msgs.msg import MoveBaseAction
 from rosgraph_msgs.msg import Clock
 from rosoclingo.srv import SetDoor, SetDoorResponse, SetSpeed, SetSpeedResponse
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in ("rostest", "unit")]
 
-from interface_helpers import base_at
+from interface_helpers import base_at  # noqa: E402
 
 TICK = 0.04  # seconds of wall time
 DRIVE = 6.0  # simulated seconds of each drive

@@ -1,14 +1,14 @@
 """The live page's server: access, messages to viewers, and the page in a browser."""
 
-import asyncio
 import gc
 import json
 import threading
 
 import pytest
 from published_runs import GOAL
-from served_page import PATIENCE, WEB, answered, next_message, play, serving, wait_until
+from served_page import WEB, serving
 from tornado.httpclient import HTTPClientError
+from waiting import PATIENCE, wait_until
 
 from rosoclingo.nodes.pages.page_server import MOST_BYTES, MOST_MESSAGES, MOST_VIEWERS
 from rosoclingo.runs.report_page import LIVE_SCRIPTS
@@ -54,10 +54,10 @@ def test_server_refuses_the_page_of_another_site(served):
         f"http://localhost:{served.port}",
     ):
         with pytest.raises(HTTPClientError) as error:
-            play(served.connect(origin))
+            served.connect(origin)
         assert error.value.code == 403, origin
     with pytest.raises(HTTPClientError):
-        play(served.connect(""))
+        served.connect("")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_server_with_a_token_admits_only_its_holders():
         assert served.get("/?token=%ff")[::2] == (400, "400 The token is not UTF-8\n")
         assert "Token needed" in served.get("/?token=wr%C3%B6ng")[2]
         with pytest.raises(HTTPClientError) as error:
-            play(served.connect())
+            served.connect()
         assert error.value.code == 403
         code, headers, _ = served.get("/?token=open+sesame")
         cookie = headers["Set-Cookie"]
@@ -92,52 +92,39 @@ def test_server_with_a_token_admits_only_its_holders():
         mine = cookie.partition(";")[0]
         assert served.get(Cookie=mine)[0] == served.get("/report.html", Cookie=mine)[0] == 200
         assert served.get(Cookie=mine, Host="robot.example:8080")[0] == 200
-        play(served.connect(Cookie=mine))
+        served.connect(Cookie=mine)
 
 
 @pytest.mark.slow
 def test_server_disconnects_viewers_that_send_too_much(served):
-    async def scene():
-        for text in ("hello", "x" * (MOST_BYTES + 1)):
-            client = await served.connect()
-            assert (await next_message(client))["whole"]
-            await client.write_message(text)
-            while await next_message(client) is not None:
-                pass
-
-    play(scene())
-    wait_until(lambda: served.viewers() == 0)
+    for text in ("hello", "x" * (MOST_BYTES + 1)):
+        viewer = served.connect()
+        assert viewer.receive()["whole"]
+        viewer.send(text)
+        viewer.end()
+    wait_until(lambda: served.viewers() == 0, "the viewers to be gone")
     assert served.get()[0] == 200
 
 
 @pytest.mark.slow
 def test_server_limits_the_number_of_viewers(served):
-    async def scene():
-        clients = [await served.connect() for _ in range(MOST_VIEWERS)]
-        with pytest.raises(HTTPClientError) as error:
-            await served.connect()
-        assert error.value.code == 503
-        clients.pop().close()
-        while served.viewers() == MOST_VIEWERS:
-            await asyncio.sleep(0.02)
-        assert (await next_message(await served.connect()))["whole"]
-
-    play(scene())
+    viewers = [served.connect() for _ in range(MOST_VIEWERS)]
+    with pytest.raises(HTTPClientError) as error:
+        served.connect()
+    assert error.value.code == 503
+    viewers.pop().close()
+    wait_until(lambda: served.viewers() < MOST_VIEWERS, "a place")
+    assert served.connect().receive()["whole"]
 
 
 @pytest.mark.slow
 def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
-    async def scene():
-        clients = [await served.connect() for _ in range(3)]
-        for client in clients:
-            assert await next_message(client)
-        await asyncio.get_event_loop().run_in_executor(None, served.server.stop, PATIENCE)
-        for client in clients:
-            while await next_message(client) is not None:
-                pass
-            assert client.close_code == 1001
-
-    play(scene())
+    viewers = [served.connect() for _ in range(3)]
+    assert all(viewer.receive() for viewer in viewers)
+    stopping = threading.Thread(target=served.server.stop, args=[PATIENCE])
+    stopping.start()
+    assert [viewer.end() for viewer in viewers] == [1001] * 3
+    stopping.join()
     gc.collect()
     assert "destroyed" not in capfd.readouterr().err
 
@@ -147,22 +134,19 @@ def test_server_reports_its_end_and_leaves_nothing_open(served, capfd):
 
 @pytest.mark.slow
 def test_server_sends_whole_view_then_changes_then_another_view(served):
-    async def scene():
-        client = await served.connect()
-        first = await next_message(client)
-        assert (first["whole"], first["core"], first["goals"][0][1]["request"]) == (True, True, GOAL)
-        served.do(lambda view: view.goal(140.0, "b", "g(b)"))
-        more = await next_message(client)
-        assert (more["whole"], more["about"], more["poses"]) == (False, None, [])
-        assert [number for number, _ in more["goals"]] == [1]
-        served.extra = {"core": False}
-        assert (await next_message(client))["core"] is False
-        served.view = RunView(served.view.about)
-        found = await next_message(client)
-        assert found["whole"]
-        assert (found["goals"], found["about"]["title"]) == ([], "A delivery")
-
-    play(scene())
+    viewer = served.connect()
+    first = viewer.receive()
+    assert (first["whole"], first["core"], first["goals"][0][1]["request"]) == (True, True, GOAL)
+    served.do(lambda view: view.goal(140.0, "b", "g(b)"))
+    more = viewer.receive()
+    assert (more["whole"], more["about"], more["poses"]) == (False, None, [])
+    assert [number for number, _ in more["goals"]] == [1]
+    served.extra = {"core": False}
+    assert viewer.receive()["core"] is False
+    served.view = RunView(served.view.about)
+    found = viewer.receive()
+    assert found["whole"]
+    assert (found["goals"], found["about"]["title"]) == ([], "A delivery")
 
 
 # ---- questions ------------------------------------------------------------------------------------------------------
@@ -175,16 +159,12 @@ def test_server_answers_others_while_a_question_waits():
         return (lambda: {"waited": event.wait(PATIENCE)}) if message["number"] == 1 else {"heard": True}
 
     with serving(take=take) as served:
-
-        async def scene():
-            client = await served.connect()
-            for number in (1, 2):
-                await client.write_message(json.dumps({"number": number}))
-            assert await answered(client) == {"number": 2, "heard": True}
-            event.set()
-            assert await answered(client) == {"number": 1, "waited": True}
-
-        play(scene())
+        viewer = served.connect()
+        for number in (1, 2):
+            viewer.send(json.dumps({"number": number}))
+        assert viewer.answer() == {"number": 2, "heard": True}
+        event.set()
+        assert viewer.answer() == {"number": 1, "waited": True}
 
 
 NO_INTEGER = {"number": None, "fault": "'number' is not an integer"}
@@ -200,16 +180,12 @@ NO_INTEGER = {"number": None, "fault": "'number' is not an integer"}
 )
 def test_server_answers_questions_and_disconnects_after_others(text, answer):
     with serving(take=lambda message: {"heard": message}) as served:
-
-        async def scene():
-            client = await served.connect()
-            await client.write_message(text)
-            assert await answered(client) == answer
-            if answer is not None:
-                await client.write_message('{"number": 3}')
-                assert await answered(client) == {"number": 3, "heard": {"number": 3}}
-
-        play(scene())
+        viewer = served.connect()
+        viewer.send(text)
+        assert viewer.answer() == answer
+        if answer is not None:
+            viewer.send('{"number": 3}')
+            assert viewer.answer() == {"number": 3, "heard": {"number": 3}}
 
 
 # ---- in a browser ---------------------------------------------------------------------------------------------------
@@ -217,17 +193,10 @@ def test_server_answers_questions_and_disconnects_after_others(text, answer):
 
 def test_server_disconnects_viewer_that_asks_too_often():
     with serving(take=lambda message: {}) as served:
-
-        async def scene():
-            client = await served.connect()
-            for _ in range(MOST_MESSAGES + 1):
-                await client.write_message("{}")
-            count = 0
-            while await answered(client) is not None:
-                count += 1
-            assert count <= MOST_MESSAGES
-
-        play(scene())
+        viewer = served.connect()
+        for _ in range(MOST_MESSAGES + 1):
+            viewer.send("{}")
+        assert len(list(iter(viewer.answer, None))) <= MOST_MESSAGES
 
 
 @pytest.mark.slow
