@@ -1,8 +1,12 @@
 """Runs for tests of pages, as the topics publish them."""
 
 import numpy as np
+import yaml
 
+from rosoclingo.common.reading import Reader
+from rosoclingo.nodes.pages.order_desk import OrderDesk
 from rosoclingo.runs.map_image import map_image
+from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.planar_frames import Pose
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.run_view import RunView
@@ -10,11 +14,29 @@ from rosoclingo.runs.run_view import RunView
 LABELS = {"office1": [1.0, 1.0, 0.0], "office2": [5.0, 1.0, 0.0]}
 GOAL = "goal(office2,office1,1)"
 
+#: Orders of a page: two goals and a fact.
+FORMS = """
+- title: Deliver
+  goal: "goal({from},{to},{package})"
+  choices: {package: packages, from: place of package, to: labels}
+- title: Patrol
+  goal: "patrol({b},{a})"
+  choices: {b: labels, a: labels}
+- title: A place is open again
+  fact: "_opened({place},now)"
+  choices: {place: labels}
+"""
+
 
 def program_of(text, labels=None, **settings):
     """Return the program of a run, with labels and other settings of its core."""
     files = (ProgramFile("own.lp", text, False),)
     return RunProgram("run", files, {}, "", settings if labels is None else {"labels": labels, **settings})
+
+
+def desk_of(core):
+    """Return the desk of a page with the orders FORMS, for a core."""
+    return OrderDesk(read_orders(Reader(yaml.safe_load(FORMS))), core)
 
 
 def plan_of(*words):

@@ -14,6 +14,18 @@ def journal(tmp_path_factory):
 
 
 @pytest.fixture
+def run_command():
+    """Run a command's main function; return its exit code and its output."""
+    pytest.importorskip("rosbag")
+
+    def run(main, *words):
+        lines = []
+        return main([str(word) for word in words], lines.append), "\n".join(lines)
+
+    return run
+
+
+@pytest.fixture
 def write_bag(messages, tmp_path):
     """Write a bag of messages, each with seconds and topic; return its path."""
     import genpy

@@ -1,12 +1,9 @@
 import re
-from pathlib import Path
 
 import pytest
-import yaml
 
 from rosoclingo.common.labels import Label
 from rosoclingo.common.parameters import ParameterError
-from rosoclingo.nodes.core import loading as module
 from rosoclingo.nodes.core.loading import CoreParameters, core_parameters, load_program
 from rosoclingo.oclingo import ProgramError, ReactiveSolver
 from rosoclingo.reasoning.settings import CoreSettings
@@ -137,16 +134,6 @@ def test_core_parameters_report_constant_that_prevents_loading(tmp_path):
     path.write_text("#const w = 2.\n#volatile t : w.\n:- a(t).\n#program cumulative(t).\n{a(t)}.\n")
     with pytest.raises(ParameterError, match=r"w is soon, but the program's own value is 2 \(.*:1\) \(give a number\)"):
         load_program(core_parameters({"program_files": [str(path)], "constants": {"w": "soon"}}))
-
-
-def test_core_parameters_defaults_match_the_document():
-    node = Path(module.__file__).with_name("core_node.py").read_text()
-    documented = dict(re.findall(r"~(\w+) \(\w+, default ([\d.]+|[a-z]+)\)", node))
-    real = {**vars(CoreSettings), **vars(CoreParameters)}
-    assert len(documented) == 15
-    assert {name: yaml.safe_load(value) for name, value in documented.items()} == {
-        name: real[name] for name in documented
-    }
 
 
 def test_core_parameters_lint_findings_are_logged_at_start(tmp_path):

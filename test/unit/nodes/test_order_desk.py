@@ -3,22 +3,11 @@
 from types import SimpleNamespace
 
 import pytest
-import yaml
-from published_runs import LABELS
+from published_runs import LABELS, desk_of
 
-from rosoclingo.common.reading import Reader
 from rosoclingo.nodes.pages.order_desk import MOST_ASKED, MOST_COMMANDS, MOST_OPEN, OrderDesk
-from rosoclingo.runs.orders import read_orders
 from rosoclingo.runs.run_view import RunView
 
-FORM = """
-- title: Deliver
-  goal: "goal({from},{to},{package})"
-  choices: {package: packages, from: place of package, to: labels}
-- title: A place is open again
-  fact: "_opened({place},now)"
-  choices: {place: labels}
-"""
 KEY = "a key of a page"
 
 
@@ -38,7 +27,7 @@ class Counter:
             stop=lambda: self.command("stop"),
             explain=lambda _key: self.reason,
         )
-        self.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORM))), self.core)
+        self.desk = desk_of(self.core)
 
     def command(self, value):
         self.commands.append(value)
@@ -119,14 +108,14 @@ def test_desk_forgets_orders_that_have_ended(counter):
 
 
 def test_desk_reports_an_offered_fact(counter):
-    answer = counter.take(order=1, key=KEY, chosen={"place": "office2"})
+    answer = counter.take(order=2, key=KEY, chosen={"place": "office2"})
     assert answer == {
         "reported": "_opened(office2,now)",
         "text": "_opened(office2,now)",
         "words": "A place is open again: office2",
     }
     assert (counter.facts, counter.sent) == (["_opened(office2,now)"], [])
-    assert "choose one" in counter.take(order=1, key=KEY, chosen={"place": "office9"})["fault"]
+    assert "choose one" in counter.take(order=2, key=KEY, chosen={"place": "office9"})["fault"]
     assert "fault" in counter.take(cancel="_opened(office2,now)", key=KEY)
 
 

@@ -3,26 +3,10 @@
 from types import SimpleNamespace
 
 import pytest
-import yaml
-from published_runs import LABELS, delivery
+from published_runs import LABELS, delivery, desk_of
 from served_page import serving
 
-from rosoclingo.common.reading import Reader
-from rosoclingo.nodes.pages.order_desk import OrderDesk
-from rosoclingo.runs.orders import read_orders
-
 pytestmark = [pytest.mark.slow, pytest.mark.once]
-FORMS = """
-- title: Deliver
-  goal: "goal({from},{to},{package})"
-  choices: {package: packages, from: place of package, to: labels}
-- title: Patrol
-  goal: "patrol({b},{a})"
-  choices: {b: labels, a: labels}
-- title: A place is open again
-  fact: "_opened({place},now)"
-  choices: {place: labels}
-"""
 HOSTILE = '<img src=x onerror="window.broken = 1">'
 
 
@@ -38,7 +22,7 @@ class Desk:
             cancel=self.canceled.append,
             explain=lambda _key: self.reason,
         )
-        self.desk = OrderDesk(read_orders(Reader(yaml.safe_load(FORMS))), core)
+        self.desk = desk_of(core)
         served.server.take = lambda message: self.desk.take(message, self.view)
         self.lie({"1": "office1", "2": "office2", "3": "office3"})
         page.faults.clear()

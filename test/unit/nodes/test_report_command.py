@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,18 +17,12 @@ PLAN = plan_of("move_base office2", "pickup 1")
 
 
 @pytest.fixture
-def report(monkeypatch):
-    """Run the command; return its exit code and its lines."""
-    pytest.importorskip("rosbag")
+def report(monkeypatch, run_command):
+    """Run the command."""
     from rosoclingo.nodes.pages import report_command
 
     monkeypatch.setattr(report_command, "web", lambda: ROOT / "web")
-
-    def run(*words):
-        lines = []
-        return report_command.main([str(word) for word in words], lines.append), lines
-
-    return run
+    return partial(run_command, report_command.main)
 
 
 @pytest.fixture
@@ -96,7 +91,7 @@ def transform(parent, child, x):
 def test_report_of_a_bag_is_written_next_to_it(report, write_bag, run, tmp_path):
     """The action server has the usual name, independent of the core's name."""
     path = write_bag(run(core="brain"))
-    assert report(path) == (0, [f"report: {tmp_path / 'run.html'}"])
+    assert report(path) == (0, f"report: {tmp_path / 'run.html'}")
     found = shown(tmp_path / "run.html")
     assert (found["about"]["title"], found["about"]["source"]) == ("run", "run.bag")
     assert found["about"]["labels"] == LABELS
@@ -166,10 +161,10 @@ def test_report_shows_the_pace_and_no_map_without_cells(report, write_bag, run, 
 
 @pytest.mark.slow
 def test_report_of_a_journal(report, journal, tmp_path):
-    assert report(journal, "-o", tmp_path / "out.html") == (0, [f"report: {tmp_path / 'out.html'}"])
+    assert report(journal, "-o", tmp_path / "out.html") == (0, f"report: {tmp_path / 'out.html'}")
     page = shown(tmp_path / "out.html")
     assert [goal["request"] for _, goal in page["goals"]] == [GOALS[0][1]]
     assert page["about"]["source"] == journal.name
     assert "no poses" in page["about"]["lacks"]
-    assert report(journal) == (0, [f"report: {journal / 'journal.html'}"])
+    assert report(journal) == (0, f"report: {journal / 'journal.html'}")
     assert report(journal / NAME)[0] == 0

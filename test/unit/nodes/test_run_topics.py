@@ -2,26 +2,11 @@
 
 from types import SimpleNamespace
 
-import pytest
-
 from rosoclingo.nodes.run_topics import RunTopics
-from rosoclingo.runs.account import Account
 from rosoclingo.runs.recorded_run import ProgramFile, RunProgram
 from rosoclingo.runs.run_view import RunView
 
 LABELS = {"kitchen": [1.0, 2.0], "hall": {"x": 5.0, "y": 0.0}}
-
-
-@pytest.fixture
-def account():
-    return Account(lambda _line: None)
-
-
-@pytest.fixture
-def take(account):
-    """Pass a message of a topic to the account."""
-    topics = RunTopics(account)
-    return lambda topic, message, time: topics.pass_on(topic, time, message)
 
 
 def program(text="", labels=LABELS):
@@ -75,11 +60,3 @@ def test_topics_pass_present_state_to_another_view():
     topics.pass_on("~goals", 12.0, reported(("a", 3, ""), ("b", 3, "")))
     assert [(one["id"], one["ended"]) for one in fresh.tables["goals"]] == [("b", 2.5)]
     assert fresh.has_ended("a")
-
-
-def test_account_counts_cycles_from_start_of_scenario(account, take):
-    take("~task_plan", plan(7), 1.0)
-    take("out_rosoclingo", SimpleNamespace(interface="go", facts=["_action_lib(go,x,7)"]), 1.1)
-    expect = {"actions": ["_action_lib(go,x,1)"]}
-    assert account.differences(expect, 6) == []
-    assert account.differences(expect) != []

@@ -11,15 +11,6 @@ from rosoclingo.runs.report_page import SCRIPTS, report_page
 from rosoclingo.runs.run_view import RunView
 
 WEB = Path(__file__).resolve().parents[3] / "web"
-HOSTILE = [
-    "<script>window.broken = 1</script>",
-    "</script><script>window.broken = 1</script>",
-    "<img src=x onerror='window.broken = 1'>",
-    "\u2028]]><!-- script -->",
-    '" onclick="window.broken = 1',
-    "{{constructor}}",
-    "${1}",
-]
 pytestmark = [pytest.mark.slow, pytest.mark.once]
 
 
@@ -204,11 +195,6 @@ def test_report_page_address_names_a_moment(page, tmp_path):
     assert page.text("#clock").startswith("12.5 s")
 
 
-def cut(text):
-    """Return a text as the map shows it: a long one is cut, and has a title."""
-    return text if len(text) <= 30 else f"{text[:29]}…{text}"
-
-
 @pytest.mark.parametrize("verdict", [[], ["goals: expected <b>"]])
 def test_report_page_shows_the_verdict(opened, verdict):
     view = delivery()
@@ -217,9 +203,11 @@ def test_report_page_shows_the_verdict(opened, verdict):
     assert text.split("\n") == (["Not as expected", *verdict] if verdict else ["As expected"])
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("text", [*HOSTILE, "x" * 3000, "\u202eright to left\u202c"])
-def test_report_page_escapes_hostile_texts(opened, text):
+def test_report_page_escapes_hostile_texts(opened):
+    text = (
+        "</script><script>window.broken = 1</script><img src=x onerror='window.broken = 1'>\u2028]]><!-- script -->"
+        '" onclick="window.broken = 1 {{constructor}} ${1} \u202eright to left\u202c'
+    )
     view = RunView({"title": text, "source": text, "verdict": [text], "lacks": text})
     quoted = text.replace("\\", "\\\\").replace('"', '\\"')
     view.program(0.0, floor(f'_draws(sign,mark,"{quoted}").'))
@@ -237,8 +225,9 @@ def test_report_page_escapes_hostile_texts(opened, text):
     page = opened(view)
     assert page.run("window.broken") is None
     assert page.texts("#goals tbody th") == [text]
-    assert cut(text) in page.texts(".labelname")
-    assert page.texts(".map .wayname") == [cut(text.strip())]
+    short = f"{text[:29]}…{text}"  # the whole text is its title
+    assert short in page.texts(".labelname")
+    assert page.texts(".map .wayname") == [short]
     move(page, 1.0)
     assert text in page.texts(".atoms code")
     assert page.texts("h1") == [text]
