@@ -47,6 +47,10 @@ class Recorder(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.bag = Path(folder.name, "run.bag")
 
+    def until_written(self, words):
+        """Wait until the bag's file has these words."""
+        wait_until(lambda: words.encode() in unfinished_path(self.bag).read_bytes(), f"{words} in the file")
+
     def holds(self, bag=None):
         """Return the texts of the recorded topic, and the bag's notes about itself."""
         with rosbag.Bag(str(bag or self.bag)) as read:
@@ -58,7 +62,7 @@ class Recorder(unittest.TestCase):
         """As with roslaunch, all nodes are asked to end at once, and the recorder would be the first to do so."""
         with recorder(self.bag) as record, speaker() as speaking:
             wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
+            self.until_written("hello")
             record.signal(signal.SIGINT)
             speaking.signal(signal.SIGINT)
             self.assertEqual(record.wait(), (0, ""))
@@ -69,7 +73,7 @@ class Recorder(unittest.TestCase):
     def test_recorder_names_node_that_does_not_end(self):
         with recorder(self.bag) as record, speaker():
             wait_until(recording, "the recorder to be connected")
-            wait_until(lambda: b"hello" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
+            self.until_written("hello")
             record.signal(signal.SIGINT)
             wait_until(lambda: is_recording([]), "the recorder to wait")
             record.signal(signal.SIGINT)
@@ -82,7 +86,7 @@ class Recorder(unittest.TestCase):
             wait_until(lambda: publisher.get_num_connections() > 0, "the recorder")
             for number in range(100):
                 publisher.publish(f"word {number}.")
-            wait_until(lambda: b"word 99." in unfinished_path(self.bag).read_bytes(), "the last word in the file")
+            self.until_written("word 99.")
             record.signal(signal.SIGKILL)
         publisher.unregister()
         with recorder(self.bag, "[nothing]") as record:
@@ -100,7 +104,7 @@ class Recorder(unittest.TestCase):
         with recorder(self.bag) as record:
             wait_until(recording, "the recorder to be connected")
             publisher.publish("before")
-            wait_until(lambda: b"before" in unfinished_path(self.bag).read_bytes(), "the first word in the file")
+            self.until_written("before")
             with room_for(unfinished_path(self.bag).stat().st_size, process_of("/record")):
                 publisher.publish("lost")
                 is_full = re.compile(r"the bag .*/run\.bag cannot be written: .*File too large").match
@@ -130,8 +134,7 @@ class Recorder(unittest.TestCase):
                 clock.publish(Clock(rospy.Time(moment)))
                 wait_until(lambda wanted=moment: times[-1:] == [wanted], "the time to arrive")
                 publisher.publish(str(moment))
-                word = b"\x00" + str(moment).encode()
-                wait_until(lambda wanted=word: wanted in unfinished_path(self.bag).read_bytes(), "the word in the file")
+                self.until_written(f"\0{moment}")
             publisher.unregister()
             record.signal(signal.SIGINT)
             self.assertEqual(record.wait()[0], 0)

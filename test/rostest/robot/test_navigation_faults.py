@@ -14,7 +14,7 @@ from documented_names import documented, offered
 from geometry_msgs.msg import PoseStamped
 from interface_helpers import PATIENCE, wait_to_hear, wait_until
 from map_msgs.msg import OccupancyGridUpdate
-from move_base_msgs.msg import MoveBaseActionResult, RecoveryStatus
+from move_base_msgs.msg import MoveBaseActionResult
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from nav_msgs.srv import GetPlan, LoadMap
 from navigation_helpers import ABORTED, PREEMPTED, SUCCEEDED, Driver, pose_goal
@@ -55,10 +55,7 @@ class NavigationFaults(unittest.TestCase):
         }
         for relay in cls.relays.values():
             relay.wait()
-        cls.recoveries = []
-        recoveries = rospy.Subscriber("/move_base/recovery_status", RecoveryStatus, cls.recoveries.append)
         cls.driver = Driver()
-        wait_to_hear(recoveries)
         cls.door = rospy.ServiceProxy("/simulator/set_door", SetDoor)
         cls.plan = rospy.ServiceProxy("/move_base/make_plan", GetPlan)
 

@@ -14,16 +14,13 @@ from rosoclingo.reasoning.settings import CoreSettings
 from rosoclingo.runs.recorded_run import RunProgram
 
 ENCODINGS = Path(__file__).resolve().parents[3] / "encodings"
-GOALS = ("goal(office3,office2,1)", "goal(office2,office4,2)")
 
 
 @pytest.fixture(scope="module")
 def driver():
-    """A run of the mailbot with two goals."""
+    """A run of the mailbot with a goal."""
     driver = Driver(settings=CoreSettings(), program=shipped("mailbot.lp", "office.lp"), solver=soon)
-    for text in GOALS:
-        driver.goal(text, text).succeed()
-    return driver.finish()
+    return driver.goal("key", "goal(office3,office2,1)").finish()
 
 
 @pytest.fixture
@@ -160,8 +157,7 @@ def test_replay_accepts_a_journal(replay, journal, tmp_path):
     code, text = replay(journal)
     assert code == 0
     assert text.endswith("no unexplained difference")
-    assert replay(journal / NAME) == (code, text)
-    assert "\ncycle 2: " in replay(journal, "--all")[1]
+    assert "\ncycle 2: " in replay(journal / NAME, "--all")[1]
     code, text = replay(journal, "--stream", "-", "--program-to", tmp_path)
     assert code == 0
     assert "_request(goal(office3,office2,1),2)." in text
