@@ -110,6 +110,7 @@ def test_orders_require_different_places():
         ("- {title: A, fact: '_opened(X,now)', choices: {}}", "is not a ground atom"),
         ("- {title: A, fact: '7', choices: {}}", "is not a ground atom"),
         ("- {title: A, fact: '_return(pickup,1,1)', choices: {}}", "is reserved"),
+        ("- {title: A, fact: '_request(go(1),1)', choices: {}}", "is reserved"),
         ("- {title: A, goal: 'g(1)', fact: '_f(now)', choices: {}}", "goal"),
     ],
 )
