@@ -27,6 +27,7 @@ class Served:
     def __init__(self, view, token="", port=0, take=None):
         self.view = view
         self.extra = {"core": True}
+        self.connected = []
         listener = socket.socket()
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(("127.0.0.1", port))
@@ -78,7 +79,8 @@ class Served:
         """Return a viewer; the headers are those of its request, which has by default the origin of this page."""
         headers["Origin"] = self.address if origin is None else origin
         given = {key: value for key, value in headers.items() if value}
-        return Viewer(HTTPRequest(f"ws://127.0.0.1:{self.port}/run", headers=given))
+        self.connected.append(Viewer(HTTPRequest(f"ws://127.0.0.1:{self.port}/run", headers=given)))
+        return self.connected[-1]
 
 
 class Viewer:
@@ -87,7 +89,7 @@ class Viewer:
     loop = asyncio.new_event_loop()
 
     def __init__(self, request):
-        self._client = self._run(websocket_connect, request)
+        self._client, self._has_ended = self._run(websocket_connect, request), False
 
     def _run(self, function, *arguments):
         async def run():
@@ -101,8 +103,9 @@ class Viewer:
 
     def receive(self):
         """Return the next message, None if the server has closed the connection."""
-        text = self._run(self._client.read_message)
-        return None if text is None else json.loads(text)
+        text = None if self._has_ended else self._run(self._client.read_message)
+        self._has_ended = text is None
+        return text and json.loads(text)
 
     def answer(self):
         """Return the next answer, None if the connection is closed."""
@@ -134,3 +137,5 @@ def serving(view=None, token="", port=0, take=None):
         yield served
     finally:
         served.server.stop(PATIENCE)
+        for viewer in served.connected:
+            viewer.end()

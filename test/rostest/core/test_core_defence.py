@@ -1,15 +1,18 @@
-"""The core's self-defence: /diagnostics, nonsense, concurrent actions, cancels by time stamp."""
+"""The core's self-defence: /diagnostics, nonsense, concurrent actions, cancels by time stamp, floods of facts."""
 
+import signal
 import unittest
+from pathlib import Path
 
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from core_helpers import Client, ManualInterfaces, Updates
 from diagnostic_msgs.msg import DiagnosticStatus
-from interface_helpers import heard_log, values_of, wait_for_diagnosis, wait_to_hear, wait_until
+from interface_helpers import Process, heard_log, values_of, wait_for_diagnosis, wait_to_hear, wait_until
 from rosoclingo.msg import InterfaceIO
 
 CORE = "rosoclingo: core"
+FLOOD = str(Path(__file__).with_name("flood.py"))
 ENDED = (GoalStatus.PREEMPTED, GoalStatus.RECALLED)
 
 
@@ -100,3 +103,28 @@ class CoreDefence(unittest.TestCase):
         self.hands.succeed(self.hands.take())
         younger.ends_as(GoalStatus.SUCCEEDED)
         self.assertIn(blocking.wait()[0], ENDED)
+
+    def test_zzz_goals_are_served_during_a_flood_of_facts(self):
+        """It comes last: the core still works on the facts when it is over."""
+        before, updates = self.problems(), len(self.updates.texts)
+
+        def taken(status):
+            """Return whether the core has accepted or ignored many facts of the floods."""
+            seen = sum(text.count("_seen(") for text in self.updates.texts[updates:])
+            return seen and int(values_of(status)["problems"]) - before + seen > 2000
+
+        with Process(FLOOD, "sensor") as one, Process(FLOOD, "stray") as other:
+            wait_for_diagnosis(CORE, taken, "the flood")
+            goal = self.client.send("do(walk,10)")
+            self.hands.succeed(self.hands.take())
+            goal.ends_as(GoalStatus.SUCCEEDED)
+            goal = self.client.send("do(walk,11)")
+            command = self.hands.take()
+            goal.cancelled()
+            self.hands.succeed(command)
+            self.assertIn(goal.wait()[0], (GoalStatus.SUCCEEDED, GoalStatus.PREEMPTED))
+            wait_for_diagnosis(
+                CORE, lambda one: "is ignored" in values_of(one)["last error"], "a report during the flood"
+            )
+            for process in (one, other):
+                process.signal(signal.SIGKILL)

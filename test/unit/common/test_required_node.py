@@ -82,37 +82,27 @@ def own(**changes):
 THE_END = [(os.getppid(), signal.SIGINT)]
 
 
-@pytest.mark.parametrize("error", [StartError("a fault"), SystemExit(1), SystemExit("clingo is not installed")])
-def test_required_node_with_failed_start_ends_the_roslaunch(serving, ended, monkeypatch, error, capsys):
-    master(serving, monkeypatch, roslaunch(serving, process=1), roslaunch(serving, **own()))
-    with pytest.raises(type(error)), RequiredNode():
-        raise error
-    assert ended == THE_END
-    assert f"{NODE}: a restart cannot help: ending roslaunch" in capsys.readouterr().err
-
-
-def test_required_node_finds_parent_of_remote_roslaunch(serving, ended, monkeypatch):
-    master(serving, monkeypatch, roslaunch(serving, process=1, children=[roslaunch(serving, **own())]))
-    with pytest.raises(StartError), RequiredNode():
-        raise StartError
-    assert ended == THE_END
-
-
 @pytest.mark.parametrize(
-    ("error", "changes", "required"),
+    ("error", "changes", "required", "ends"),
     [
-        *((error, {}, True) for error in (SystemExit(0), SystemExit(None), KeyboardInterrupt())),
-        (StartError(), {"respawn": False}, True),
-        (StartError(), {"pid": 1}, True),
-        (StartError(), {}, "yes"),
+        *((error, {}, True, True) for error in (StartError("a fault"), SystemExit(1), SystemExit("no clingo"))),
+        # it did not fail, is not restarted, or belongs to no roslaunch or one that does not need it
+        *((error, {}, True, False) for error in (SystemExit(0), SystemExit(None), KeyboardInterrupt())),
+        (StartError(), {"respawn": False}, True, False),
+        (StartError(), {"pid": 1}, True, False),
+        (StartError(), {}, "yes", False),
     ],
 )
-def test_required_node_leaves_other_roslaunches_alone(serving, ended, monkeypatch, error, changes, required):
-    """It did not fail, is not restarted, or belongs to no roslaunch or one that does not need it."""
-    master(serving, monkeypatch, roslaunch(serving, **own(**changes)), **{f"{NODE}/required": required})
+def test_required_node_with_failed_start_ends_its_roslaunch(
+    serving, ended, monkeypatch, capsys, error, changes, required, ends
+):
+    """Its roslaunch is on a remote machine: the master knows only the parent."""
+    parent = roslaunch(serving, process=1, children=[roslaunch(serving, **own(**changes))])
+    master(serving, monkeypatch, parent, **{f"{NODE}/required": required})
     with pytest.raises(type(error)), RequiredNode():
         raise error
-    assert ended == []
+    assert ended == (THE_END if ends else [])
+    assert (f"{NODE}: a restart cannot help: ending roslaunch" in capsys.readouterr().err) == ends
 
 
 def test_required_node_started_by_hand_asks_no_roslaunch(ended, monkeypatch, capsys):
