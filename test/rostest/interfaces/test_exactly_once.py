@@ -64,9 +64,6 @@ class ExactlyOnce(unittest.TestCase):
         self.core.begin(name, fact)
         return fact, f"_return({name},{{}},{cycle})", number, self.servers[name].accept()
 
-    def kill_core(self):
-        self.core.die()
-
     def resume(self, *under_way):
         self.core = self.start_core(self.run_id, under_way)
 
@@ -104,7 +101,7 @@ class ExactlyOnce(unittest.TestCase):
 
     def test_end_without_core_is_answered_on_repeat(self):
         fact, answer, _, goal = self.begin("arm")
-        self.kill_core()
+        self.core.die()
         goal.set_aborted()
         self.resume(("arm", fact))
         self.assertEqual(self.core.receive(), [answer.format("failed")])
@@ -113,13 +110,13 @@ class ExactlyOnce(unittest.TestCase):
         fact, answer, number, goal = self.begin("arm")
         goal.set_succeeded()
         self.assertEqual(self.core.receive(), [answer.format(number)])
-        self.kill_core()
+        self.core.die()
         self.resume(("arm", fact))
         self.assertEqual(self.core.receive(), [answer.format(number)])
 
     def test_former_run_action_is_cancelled_without_return(self):
         fact, answer, number, _ = self.begin("arm")
-        self.kill_core()
+        self.core.die()
         self.core = self.start_core(uuid.uuid4().hex)
         self.servers["arm"].cancelled().set_succeeded()
         self.settle()
@@ -196,7 +193,7 @@ class ExactlyOnce(unittest.TestCase):
 
     def test_answer_survives_node_and_core_without_receipt(self):
         fact, answer, number, goal = self.begin("arm")
-        self.kill_core()
+        self.core.die()
         goal.set_succeeded()
         self.wait_until_idle("arm")
         self.kill_deaf_node()
@@ -205,7 +202,7 @@ class ExactlyOnce(unittest.TestCase):
 
     def test_goal_is_taken_over_after_both_were_killed(self):
         fact, answer, number, goal = self.begin("arm")
-        self.kill_core()
+        self.core.die()
         self.kill_deaf_node()
         self.resume(("arm", fact))
         self.servers["arm"].wait_for_new_reader(NODE, self.readers)
