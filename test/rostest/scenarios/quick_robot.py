@@ -20,7 +20,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[2] / folder) for folder in 
 
 from interface_helpers import base_at  # noqa: E402
 
-TICK = 0.04  # seconds of wall time
+TICK = 0.1  # seconds of wall time
 DRIVE = 6.0  # simulated seconds of each drive
 HALF = 7.925  # metres: x of the doors between the two halves of the office
 BETWEEN = {"corridor", "meeting_west"}  # with these doors closed there is no way from one half to the other
