@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import threading
 import time
 import uuid
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence
 
 ROOT = Path(__file__).resolve().parent.parent
 MARK = "ROSOCLINGO_TEST_RUN"  # an environment variable that marks a test's processes
+_INTERRUPTED = threading.Event()
 
 
 class Finished(NamedTuple):
@@ -21,6 +23,20 @@ class Finished(NamedTuple):
     code: Optional[int]
     leftovers: List[str]
     computed: float = 0.0
+
+
+def end_on_interrupt() -> None:
+    """Let SIGINT end the commands of all threads: each `run` raises KeyboardInterrupt.
+
+    A shell that starts this process in the background has SIGINT ignored, which the commands would inherit.
+    """
+    signal.signal(signal.SIGINT, lambda *_: _INTERRUPTED.set())
+
+
+def check_interrupt() -> None:
+    """Raise KeyboardInterrupt after a SIGINT."""
+    if _INTERRUPTED.is_set():
+        raise KeyboardInterrupt
 
 
 def processes_with(mark: str) -> Iterator[int]:
@@ -57,9 +73,13 @@ def end_leftovers(mark: str, grace: float = 30.0) -> List[str]:
 
 
 def _wait(pid: int, limit: float) -> Optional[float]:
-    """Wait for a child's end, without reaping it; return its CPU time in seconds, None if it goes on."""
+    """Wait for a child's end, without reaping it; return its CPU time in seconds, None if it goes on.
+
+    Raises KeyboardInterrupt.
+    """
     deadline = time.monotonic() + limit
     while not os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+        check_interrupt()
         if time.monotonic() > deadline:
             return None
         time.sleep(0.05)
@@ -67,7 +87,8 @@ def _wait(pid: int, limit: float) -> Optional[float]:
     return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")  # utime to cstime of proc(5)
 
 
-def _interrupt(process: "subprocess.Popen[bytes]") -> None:
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    """Interrupt a process if it still runs, and kill it if that has no effect."""
     process.send_signal(signal.SIGINT)
     try:
         process.wait(20)
@@ -77,7 +98,11 @@ def _interrupt(process: "subprocess.Popen[bytes]") -> None:
 
 
 def run(command: Sequence[str], log: Path, limit: float, environment: Mapping[str, str]) -> Finished:
-    """Run a command with a time limit in seconds and its output in a log, and leave no process of it behind."""
+    """Run a command with a time limit in seconds and its output in a log, and leave no process of it behind.
+
+    Raises KeyboardInterrupt.
+    """
+    check_interrupt()
     mark = uuid.uuid4().hex
     variables = {**environment, MARK: mark}
     with log.open("wb") as output:
@@ -86,11 +111,8 @@ def run(command: Sequence[str], log: Path, limit: float, environment: Mapping[st
         )
         try:
             computed = _wait(process.pid, limit)
-            if computed is None:
-                _interrupt(process)
             code = None if computed is None else process.wait()
         finally:
-            if process.poll() is None:
-                process.kill()
+            _end(process)
             leftovers = end_leftovers(mark)
     return Finished(code, leftovers, computed or 0.0)

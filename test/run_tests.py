@@ -8,7 +8,6 @@ import os
 import re
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -21,7 +20,7 @@ from typing import Dict, Iterable, Iterator, List, Mapping, Optional, Sequence
 import yaml
 from durations import Duration, summary
 from outcome import Outcome, count, judge, report
-from processes import ROOT, run
+from processes import ROOT, check_interrupt, end_on_interrupt, run
 
 UNIT_LIMIT, INSTALL_LIMIT, LINT_LIMIT = 3600.0, 1800.0, 900.0  # seconds, for a slow or busy machine
 CORES = min(os.cpu_count() or 1, 4)  # concurrent unit tests
@@ -231,6 +230,7 @@ def _python38_environment() -> Dict[str, str]:
     """Return the environment of the workspace for Python 3.8; empty without one, which ``dev`` reports."""
     command = [str(ROOT / "dev"), "exec-python38", "env", "-0"]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    check_interrupt()
     if done.returncode == NO_PYTHON38:
         return {}
     done.check_returncode()
@@ -260,10 +260,13 @@ def main() -> int:
     parser.add_argument("group", nargs="?", choices=(*GROUPS, "quick"), help="the group to run, all without one")
     parser.add_argument("names", nargs=argparse.REMAINDER, help="rostests, or arguments for pytest")
     arguments = parser.parse_args()
-    # a shell that starts this in the background has SIGINT ignored, which the tests' processes would inherit
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    end_on_interrupt()
     tests, begin = Tests(arguments.work), time.monotonic()
-    outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()
+    try:
+        outcome = getattr(tests, arguments.group)(arguments.names) if arguments.group else tests.whole()
+    except KeyboardInterrupt:
+        print(f"interrupted, logs and reports in {tests.results}", flush=True)
+        return 130
     if outcome.failures:
         print("Failures:", *outcome.failures, sep="\n    ")
     print(*summary(tests.durations), sep="\n")
