@@ -69,9 +69,8 @@ class Live {
   /** Show the state of the connection when it changes, so that a screen reader reads it once. */
   say(name, words) {
     const box = document.getElementById("connection");
-    if (box.textContent === words) return;
     box.className = `connection ${name}`;
-    box.textContent = words;
+    say(box, words);
   }
 }
 

@@ -18,6 +18,11 @@ function lastAt(list, time, timeOf = (one) => one.time) {
   return low - 1;
 }
 
+/** The last record not later than a moment; undefined if there is none. */
+function latest(list, time) {
+  return list[lastAt(list, time)];
+}
+
 /** The middle of some values. */
 function median(values) {
   const sorted = [...values].sort((one, other) => one - other);
@@ -55,7 +60,7 @@ class RunModel {
     for (const name of TABLES) this[name] = [];
     this.tracks = new Map(); // the poses by robot, "" for an only robot: {time, pose ([x, y, yaw]), metres (driven)}
     this.robotNames = []; // of several robots: those with places, else those of the actions
-    this.news = []; // moments of requests, returns and facts
+    this.news = []; // the lines of the log about requests, returns and facts
   }
 
   /** Merge changes, at a moment of the browser's clock (ms) on a live page. */
@@ -65,7 +70,7 @@ class RunModel {
     this.seconds = changes.seconds;
     this.revision = changes.revision;
     for (const name of TABLES) for (const [number, record] of changes[name]) this[name][number] = record;
-    if (changes.log.length) this.news = this.log.filter(({ kind }) => NEWS.has(kind)).map((line) => line.time);
+    if (changes.log.length) this.news = this.log.filter(({ kind }) => NEWS.has(kind));
     if (changes.poses.length) this.tracks = grouped(this.poses.map((one) => [one.robot, one]));
     const drawn = this.shapes.filter(({ kind }) => kind === "robot").map(({ text }) => text);
     const placed = [...this.tracks.keys(), ...drawn].filter(Boolean);
@@ -103,7 +108,7 @@ class RunModel {
   /** The last record of the only robot's pose, null if unknown. */
   poseAt(time) {
     const poses = this.tracks.get("") || [];
-    return poses[Math.max(0, lastAt(poses, time))] || null;
+    return latest(poses, time) || poses[0] || null;
   }
 
   /** The places of a robot up to a moment. */
@@ -154,24 +159,28 @@ class RunModel {
   /** The actions that have begun, by word; a running action also has the word of the present cycle, in which it goes on. */
   begunAt(time, cycle) {
     const all = this.actionsAt(time);
-    const running = all.filter((one) => one.state === "now").map((one) => [wordOf({ ...one.word, cycle }), one]);
+    const running = this.runningAt(time).map((one) => [wordOf({ ...one.word, cycle }), one]);
     return new Map([...running, ...all.map((one) => [wordOf(one.word), one])]);
   }
 
   /** The actions that have begun, each with its state: "now", "done", "failed", or "gone" for a cancelled action. */
   actionsAt(time) {
     const begun = this.actions.slice(0, lastAt(this.actions, time, (one) => one.begun) + 1);
-    return begun
-      .map((one) => {
-        const under = one.ended === null || one.ended > time;
-        return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : one.preempted ? "gone" : "done" };
-      });
+    return begun.map((one) => {
+      const under = one.ended === null || one.ended > time;
+      return { ...one, word: this.words[one.action], state: under ? "now" : one.failed ? "failed" : one.preempted ? "gone" : "done" };
+    });
+  }
+
+  /** The actions that run. */
+  runningAt(time) {
+    return this.actionsAt(time).filter((one) => one.state === "now");
   }
 
   /** The actions that run, then those of the plan that have not begun; of one robot if its name is given. */
   dutiesAt(time, robot = "") {
     const mine = (action) => !robot || action.robots.includes(robot);
-    const now = this.actionsAt(time).filter((one) => one.state === "now").map((one) => one.word);
+    const now = this.runningAt(time).map((one) => one.word);
     return { now: now.filter(mine), ahead: this.aheadAt(time).filter(mine) };
   }
 
@@ -199,8 +208,8 @@ class RunModel {
 
   /** The moment of the latest request, return or fact up to a moment; null before the first. */
   newsAt(time) {
-    const number = lastAt(this.news, time, (one) => one);
-    return number < 0 ? null : this.news[number];
+    const news = latest(this.news, time);
+    return news ? news.time : null;
   }
 
   /** The searches for plans up to a moment: {begun, ended, wall (seconds of the solver)}; each begins with the latest news. */
@@ -216,8 +225,13 @@ class RunModel {
   thinkingAt(time) {
     const found = this.planAt(time);
     const news = this.newsAt(time);
-    if (news === null || time - news < 1 || (found && found.plan.time >= news) || this.dutiesAt(time).now.length) return null;
-    return this.goals.some((goal) => (this.goalAt(goal, time) || {}).open) ? news : null;
+    if (news === null || time - news < 1 || (found && found.plan.time >= news) || this.runningAt(time).length) return null;
+    return this.openGoalsAt(time).length ? news : null;
+  }
+
+  /** The states of the goals that have not ended, as `goalAt` has them. */
+  openGoalsAt(time) {
+    return this.goals.map((goal) => this.goalAt(goal, time)).filter((state) => state && state.open);
   }
 
   /** The state of a goal: {word, reason, waited}; null before it was sent. */
@@ -237,8 +251,8 @@ class RunModel {
 
   /** The places of things: pairs of a name and a label, or of a robot's name ("" for the only robot); from the topic, else from the beliefs. */
   packagesAt(time) {
-    const number = lastAt(this.packages, time);
-    if (number >= 0) return this.packages[number].places;
+    const published = latest(this.packages, time);
+    if (published) return published.places;
     const drawn = this.drawnAt(time).filter(({ kind }) => kind === "thing" || kind === "carried");
     const names = this.robotsAt(time).map(({ name }) => name);
     return drawn.map(({ labels, text }) => {
@@ -259,26 +273,25 @@ class RunModel {
       if (kind === "robot" && text) found.set(text, { name: text, pose: this.about.labels[labels[0]] });
     }
     for (const [name, poses] of this.tracks) {
-      const last = lastAt(poses, time);
-      if (name && last >= 0) found.set(name, { name, pose: poses[last].pose });
+      const last = latest(poses, time);
+      if (name && last) found.set(name, { name, pose: last.pose });
     }
     return [...found.values()].sort((one, other) => (one.name < other.name ? -1 : 1));
   }
 
   /** The program's drawings: {kind, labels, text}. */
   drawnAt(time) {
-    const number = lastAt(this.beliefs, time);
-    return number < 0 ? [] : this.beliefs[number].shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
+    const { shapes } = latest(this.beliefs, time) || { shapes: [] };
+    return shapes.map((shape) => this.shapes[shape]).filter(({ labels }) => labels.every((name) => name in this.about.labels));
   }
 
   beliefsAt(time) {
-    const number = lastAt(this.beliefs, time);
-    return number < 0 ? [] : this.beliefs[number].atoms.map((term) => this.terms[term].text);
+    const { atoms } = latest(this.beliefs, time) || { atoms: [] };
+    return atoms.map((term) => this.terms[term].text);
   }
 
   pathAt(time) {
-    const number = lastAt(this.paths, time);
-    return number < 0 ? [] : this.paths[number].points;
+    return (latest(this.paths, time) || { points: [] }).points;
   }
 
   /** Ways between two labels: {kind ("way", "open" or "blocked"), labels, text}, the most important last. */

@@ -31,8 +31,8 @@ class Notices {
 
   /** Show an explanation, its terms folded. */
   explain(title, lines, terms = "") {
-    const folded = terms && html("details", {}, html("summary", {}, "Rules and facts"), html("code", {}, terms));
-    this.open(`Why? ${title}`, [html("ul", {}, lines.map((line) => html("li", {}, line))), folded || null], [["Close", () => undefined]]);
+    const rules = terms && folded("Rules and facts", terms, new Set(), "");
+    this.open(`Why? ${title}`, [html("ul", {}, lines.map((line) => html("li", {}, line))), rules], [["Close", () => undefined]]);
   }
 
   /** Ask for a confirmation before ``act``. */
@@ -82,15 +82,15 @@ class OperatorView {
   /** The present actions, or why there are none. */
   now(core) {
     if (!core) return "The core is not running";
-    const doing = this.model.actionsAt(this.model.seconds).filter((one) => one.state === "now").map(({ word }) => word);
+    const doing = this.model.dutiesAt(this.model.seconds).now;
     const said = doing.map(({ words }) => words).join(", ");
     if (this.mode === "paused") return said ? `Paused after this: ${said}` : "Paused";
     if (said) return doing[0].robots.some((robot) => said.startsWith(robot)) ? said : capital(said);
     if (this.mode === "stopped") return "Stopped until the next order";
     const since = this.model.thinkingAt(this.model.seconds);
     if (since !== null) return `Searching for a plan for ${seconds(Math.floor(this.model.seconds - since))}`;
-    const open = this.model.goals.filter((goal) => goal && goal.ended === null).map((goal) => this.model.goalAt(goal, this.model.seconds));
-    const reason = open.map((state) => state && state.reason).find(Boolean);
+    const open = this.model.openGoalsAt(this.model.seconds);
+    const reason = open.map((state) => state.reason).find(Boolean);
     return open.length ? `Waits${reason ? `: ${reason}` : " or plans"}` : "Idle: no open goals";
   }
 

@@ -134,7 +134,7 @@ class Player {
     const whole = this.home && !this.live;
     const words = [whole ? "whole run, " : "", seconds(whole ? end : this.time), cycle && !whole ? ` · cycle ${cycle.cycle}` : ""];
     this.slider.value = this.time;
-    if (this.clock.textContent !== words.join("")) show(this.clock, words.map((part, place) => html("span", { class: place === 1 ? null : "less" }, part)));
+    redraw(this.clock, words, () => words.map((part, place) => html("span", { class: place === 1 ? null : "less" }, part)));
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
     say(this.whole, this.live ? (this.home ? "Look back" : "Back to live") : "Whole run");
     this.whole.setAttribute("aria-pressed", String(whole));

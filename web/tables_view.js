@@ -30,18 +30,11 @@ class GoalsView {
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
     const { row, name, word, waited, reason, acts } = this.rows.get(goal.id);
     const buttons = this.buttons(goal, state);
-    const names = buttons.map(([text]) => text).join();
-    if (acts.dataset.names !== names) {
-      acts.dataset.names = names;
-      show(acts, buttons.map(([text, act]) => html("button", { type: "button", "aria-label": `${text} ${goal.words}`, onclick: act }, text)));
-    }
+    redraw(acts, buttons.map(([text]) => text), () => buttons.map(([text, act]) => html("button", { type: "button", "aria-label": `${text} ${goal.words}`, onclick: act }, text)));
     const plain = [goal.request === goal.words ? "" : goal.request, state.details];
     const terms = plain.filter(Boolean).join("\n");
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
-    if (name.words !== goal.words || name.terms !== terms) {
-      [name.words, name.terms] = [goal.words, terms];
-      show(name, folded(goal.words, terms, this.open, goal.id));
-    }
+    redraw(name, [goal.words, terms], () => [folded(goal.words, terms, this.open, goal.id)]);
     say(word, this.model.said(state.word));
     word.className = `state ${state.word}`;
     say(waited, seconds(state.waited));

@@ -142,20 +142,18 @@ class TimelineView {
     return this.bar(goal.sent, Math.max(end, state.open ? time : end), top, name, goal.words, whole);
   }
 
-  /** The bar of an action: its words without the robot in its lane, the parameter in the lane of its kind or without room. */
-  deed(action, from, to, top, name, lane, whole) {
+  /** The bars of an action: its words without the robot in its lane, the parameter in the lane of its kind or without room. */
+  deeds(action, from, to, lanes, top, name, whole) {
     const parameter = this.model.title(action.parameter) || action.words;
-    return this.bar(from, to, top, name, lane === action.kind ? parameter : action.deed, whole, parameter);
+    const shown = this.lanesOf(action).filter((lane) => lanes.includes(lane));
+    return shown.map((lane) => this.bar(from, to, top + lanes.indexOf(lane) * LANE, name, lane === action.kind ? parameter : action.deed, whole, parameter));
   }
 
   action(one, lanes, top, time) {
     const end = one.state === "now" ? time : one.ended;
     const became = one.state === "now" ? "running" : one.state === "done" ? "done" : one.value;
     const whole = `${one.word.words}: ${became}, ${seconds(end - one.begun)}`;
-    return this.lanesOf(one.word).map((lane) => {
-      const number = lanes.indexOf(lane);
-      return number < 0 ? null : this.deed(one.word, one.begun, end, top + number * LANE, one.state, lane, whole);
-    });
+    return this.deeds(one.word, one.begun, end, lanes, top, one.state, whole);
   }
 
   /** The actions of the plan, each as long as such actions took, after those of earlier cycles of its robots: {action, begun, ended}. */
@@ -169,17 +167,13 @@ class TimelineView {
       for (const [robot, last] of mine) busy.set(robot, { cycle, begun: from, ended: Math.max(last.ended, ended, time) });
       return { action, begun: from, ended };
     };
-    const [now, ahead] = [this.model.actionsAt(time).filter((one) => one.state === "now"), this.model.aheadAt(time)];
-    for (const one of now) place(one.word, -1, one.begun);
-    return ahead.map((action) => place(action, action.cycle, time));
+    for (const one of this.model.runningAt(time)) place(one.word, -1, one.begun);
+    return this.model.aheadAt(time).map((action) => place(action, action.cycle, time));
   }
 
   ahead({ action, begun, ended }, lanes, top) {
     const whole = `planned: ${action.words} in cycle ${action.cycle}, about ${seconds(ended - begun)}`;
-    return this.lanesOf(action).map((lane) => {
-      const number = lanes.indexOf(lane);
-      return number < 0 ? null : this.deed(action, begun, ended, top + number * LANE, "ahead", lane, whole);
-    });
+    return this.deeds(action, begun, ended, lanes, top, "ahead", whole);
   }
 
   /** The long searches, and the one that goes on. */
