@@ -1,9 +1,10 @@
 """Cores without ROS for benches: their solver runs in worker processes, as in the node, and a bench plays the robot."""
 
 import time
+from collections import deque
 from contextlib import suppress
 from pathlib import Path
-from typing import Callable, Dict, Iterable, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional
 
 from figures import Option
 from planning_domains import Task, check
@@ -110,7 +111,6 @@ class Robot(PooledCore):
 
     Attributes:
         executed: the number of executed steps.
-        longest: the longest processor time of the solver, in seconds, until the next action is sent.
         still: the longest wall time, in seconds, between a return and the next action of a plan in force.
 
     """
@@ -120,11 +120,11 @@ class Robot(PooledCore):
         super().__init__(task.program, plan_time, CoreSettings(search_timeout=search_timeout))
         self.task, self.world = task, task.world_type(task)
         self._timeout, self._limit, self._admitted, self._now, self._returned = search_timeout, limit, set(), 0.0, None
-        self.executed, self.longest, self.still, self.improving = 0, 0.0, 0.0, 0.0
+        self.executed, self.still = 0, 0.0
 
-    def ask(self, numbers=None):
-        """Send goals of the task, by default all."""
-        for number in range(1, len(self.task.goals) + 1) if numbers is None else numbers:
+    def ask(self, numbers):
+        """Send goals of the task."""
+        for number in numbers:
             self.core.add_goal(str(number), self.task.goals[number - 1].term)
 
     @property
@@ -134,9 +134,7 @@ class Robot(PooledCore):
 
     def plan(self):
         """Advance the core until it has sent actions or has nothing to do; return the remaining steps of the plan."""
-        begin = self.process.cpu_time
         self.advance(self._now)
-        self.longest = max(self.longest, self.process.cpu_time - begin)
         return self.steps()
 
     @property
@@ -178,7 +176,6 @@ class Robot(PooledCore):
 
         while self.core.improve(over) and not over():  # a stopped search does not show whether it is exhausted
             yield self.steps()
-        self.improving += self.process.cpu_time - begin
 
     def act(self, seconds):
         """Execute the awaited actions in ``seconds``, and plan for queued goals meanwhile; raises RuleError."""
@@ -213,38 +210,60 @@ class Robot(PooledCore):
         self.check_success()
 
 
-def first_plan(task: Task, timeout: float = 0.0, limit: float = 0.0) -> Optional[Tuple[float, int, int]]:
-    """Return the processor time (s) until the first plan, its steps, and the number of queued goals.
+class Arrivals:
+    """Goals 1 to ``count`` in the order of their arrival: one every ``gap`` actions, all at once if it is 0."""
+
+    def __init__(self, count: int, gap: int = 0) -> None:
+        self._left, self._gap, self._count = deque(range(1, count + 1)), gap, 0
+
+    def __bool__(self) -> bool:
+        return bool(self._left)
+
+    def due(self, actions: int, busy: bool) -> List[int]:
+        """Return the numbers that arrive after some actions; at least one if no goal is open (not ``busy``)."""
+        found: List[int] = []
+        while self._left and (self._gap * self._count <= actions or not (found or busy)):
+            found.append(self._left.popleft())
+            self._count += 1
+        return found
+
+
+class FirstPlan(NamedTuple):
+    """The first plan of a task: the processor time (s) until it, its steps, its queued goals, and its steps later."""
+
+    seconds: float
+    steps: int
+    queued: int
+    improved: int
+
+
+def first_plan(
+    task: Task, plan_time: float = 0.0, timeout: float = 0.0, limit: float = 0.0, improvement: float = 0.0
+) -> Optional[FirstPlan]:
+    """Plan for all goals; return the plan that the core would execute, and its steps after some ``improvement`` (s).
 
     Without a ``timeout`` of searches, the plan is for all goals; None if a search takes longer than ``limit``.
     """
-    with suppress(TooLongError), Robot(task, search_timeout=timeout, limit=limit) as robot:
+    with suppress(TooLongError), Robot(task, plan_time, timeout, limit) as robot:
         begin = robot.process.cpu_time
-        robot.ask()
-        steps = robot.plan()
-        return robot.process.cpu_time - begin, steps, robot.waiting
+        robot.ask(range(1, len(task.goals) + 1))
+        steps, seconds = robot.plan(), robot.process.cpu_time - begin
+        return FirstPlan(seconds, steps, robot.waiting, [steps, *robot.improve(improvement)][-1])
     return None
 
 
-def execute(
-    task: Task,
-    action_time: float,
-    limit: float = 0.0,
-    due: Callable[[Robot], Optional[Iterable[int]]] = lambda robot: None,
-) -> Dict[str, float]:
-    """Execute all goals; return the number of steps and the costs, nothing if a search takes longer than ``limit``.
+def execute(task: Task, action_time: float, limit: float = 0.0, gap: int = 0) -> Dict[str, float]:
+    """Execute all goals, which arrive with a ``gap``; return the figures, none if a search takes longer than ``limit``.
 
-    ``due`` returns the numbers of the goals that arrive before the next action; without it, all arrive at once.
+    The figures are the number of executed steps, the processor time (s) until the first action, and ``still``.
     """
     with suppress(TooLongError), Robot(task, CoreParameters.plan_time, CoreSettings.search_timeout, limit) as robot:
-        begin, start, out = robot.used, robot.process.cpu_time, 0.0
-        robot.ask(due(robot))
+        begin, out, arrivals = robot.process.cpu_time, 0.0, Arrivals(len(task.goals), gap)
+        robot.ask(arrivals.due(0, False))
         while robot.busy:
             robot.plan_until_action()
-            out = out or robot.process.cpu_time - start
+            out = out or robot.process.cpu_time - begin
             robot.act(action_time)
-            robot.ask(due(robot) or ())
-        costs = {"longest [s]": robot.longest, "still [s]": robot.still, "out [s]": out}
-        spent = robot.used - begin - robot.improving
-        return {"executed": robot.executed, **costs, "ms": 1000 * spent / robot.executed}
+            robot.ask(arrivals.due(robot.executed, robot.busy))
+        return {"executed": robot.executed, "out [s]": out, "still [s]": robot.still}
     return {}

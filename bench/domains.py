@@ -13,8 +13,6 @@ Figures of a row:
   lama-first  Fast Downward on the same task in PDDL, translation included: seconds and steps of the first plan
   lama        steps of the best plan of seq-sat-lama-2011 after --lama-seconds
   best        the fewest steps in this row
-  first/lama  ratio of seconds, first to lama-first
-  steps/best  ratio of steps, executed to best
 
 A figure is left out if there is no plan within --limit seconds, if Fast Downward is not installed, or if PDDL lacks the
 task.
@@ -24,11 +22,10 @@ Run it in the built workspace: ./dev exec python3 bench/domains.py
 """
 
 import time
-from contextlib import suppress
 
 import incmode
 import peers
-from acting_core import OPTIONS, Robot, TooLongError, execute, first_plan
+from acting_core import OPTIONS, execute, first_plan
 from figures import Option, main, row_figures
 from planning_domains import DOMAINS, check
 
@@ -36,19 +33,17 @@ from rosoclingo.nodes.core.loading import CoreParameters
 
 SIZES = ["small", "middle", "large"]
 COLUMNS = ("first [s]", "first", "out [s]", "out", "improved", "executed", "incmode [s]", "incmode")
-COLUMNS += ("lama-first [s]", "lama-first", "lama", "best", "first/lama", "steps/best")
-UNITS = {one: "s of processor" if "[s]" in one else "" if "/" in one else "steps" for one in COLUMNS}
+COLUMNS += ("lama-first [s]", "lama-first", "lama", "best")
+UNITS = {one: "s of processor" if "[s]" in one else "steps" for one in COLUMNS}
 
 
-def improved_plans(task, limit, seconds):
-    """Return seconds and steps of the plan with the default of ~plan_time, and the steps after further improvement."""
-    with suppress(TooLongError), Robot(task, CoreParameters.plan_time, limit=limit) as robot:
-        begin = robot.process.cpu_time
-        robot.ask()
-        steps = robot.plan()
-        spent = robot.process.cpu_time - begin
-        return {"out [s]": spent, "out": steps, "improved": [steps, *robot.improve(seconds)][-1]}
-    return {}
+def first_plans(task, limit, seconds):
+    """Return the figures of the first plan, and of the one with the default of ~plan_time and its improvement."""
+    first = first_plan(task, limit=limit)
+    sent = first_plan(task, CoreParameters.plan_time, limit=limit, improvement=seconds)
+    cells = {"first [s]": first.seconds, "first": first.steps} if first else {}
+    cells.update({"out [s]": sent.seconds, "out": sent.steps, "improved": sent.improved} if sent else {})
+    return cells
 
 
 def incremental_mode(task, limit):
@@ -74,17 +69,14 @@ def fast_downward(task, limit, seconds):
 
 def measure_row(domain, size, options):
     """Return the figures of a row."""
-    task, cells = DOMAINS[domain].make(*DOMAINS[domain].sizes[size], seed=options.seed), {}
-    cells["first [s]"], cells["first"], _ = first_plan(task, limit=options.limit) or (None, None, None)
-    cells.update(improved_plans(task, options.limit, options.seconds))
+    task = DOMAINS[domain].make(*DOMAINS[domain].sizes[size], seed=options.seed)
+    cells = first_plans(task, options.limit, options.seconds)
     cells["executed"] = execute(task, options.action_time, options.limit).get("executed")
     cells.update(incremental_mode(task, options.limit))
     if task.robots == 1 and peers.folder_of(peers.FAST_DOWNWARD):
         cells.update(fast_downward(task, options.limit, options.lama_seconds))
-    steps = [cells.get(name) for name in ("first", "out", "improved", "executed", "incmode", "lama-first", "lama")]
-    cells["best"] = min((one for one in steps if one is not None), default=None)
-    for ratio, ours, other in (("first/lama", "first [s]", "lama-first [s]"), ("steps/best", "executed", "best")):
-        cells[ratio] = cells[ours] / cells[other] if cells.get(ours) and cells.get(other) else None
+    steps = [cells[name] for name in UNITS if UNITS[name] == "steps" and cells.get(name) is not None]
+    cells["best"] = min(steps, default=None)
     return cells
 
 

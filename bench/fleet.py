@@ -14,7 +14,6 @@ requests are known at the start) or "stream" (one more every 15 s). Figures of a
   makespan  simulated seconds until the last delivery, and the same without _running, in the paper's cycle (paper)
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
-  ours/or   makespan, core to OR-Tools
   idle      longest time in seconds that a robot stood still without a task while a package waited for a robot
 
 Run it in the built workspace: ./dev exec python3 bench/fleet.py
@@ -38,15 +37,7 @@ PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first 
 SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
-UNITS = {
-    "first [s]": "s of processor",
-    "makespan": "s",
-    "paper": "s",
-    "drive": "s",
-    "or": "s",
-    "ours/or": "",
-    "idle": "s",
-}
+UNITS = {"first [s]": "s of processor", "makespan": "s", "paper": "s", "drive": "s", "or": "s", "idle": "s"}
 
 RUNNING = "#external _running/3.\n"
 """The declaration in encodings/fleet/rules.lp that gives a program the finer cycle."""
@@ -174,7 +165,6 @@ def measure_row(name, robots, count, how, options):
     cells["paper"] = drive(floor, robots, requests, gap, options, paper=True)["makespan"]
     if how == "once" and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
-        cells["ours/or"] = cells["makespan"] / cells["or"]
     return cells
 
 

@@ -16,11 +16,8 @@ Figures of a row:
   executed    executed steps. During each action, --action-time seconds are spent to improve the plan, or the standby
               worker plans for queued requests.
   or          steps of OR-Tools' plan after 5 s; in a stream, it plans again for 1 s with each request
-  ours/or     executed steps, core to OR-Tools
   out [s]     seconds until the first action is sent; its plan serves the requests that are not queued
-  longest [s] longest time until the next action is sent
   still [s]   longest wall time between a return and the next action of a plan in force; needs a quiet machine
-  ms          processor time for an action, without improvement and prefetching
 
 Run it in the built workspace: ./dev exec python3 bench/many_goals.py
 ./dev bench many_goals installs OR-Tools.
@@ -29,7 +26,7 @@ Run it in the built workspace: ./dev exec python3 bench/many_goals.py
 from collections import deque
 
 import peers
-from acting_core import OPTIONS, execute, first_plan
+from acting_core import OPTIONS, Arrivals, execute, first_plan
 from deliveries import actions_of_route, floor_named, office_of, random_requests, task_of
 from figures import Option, main, row_figures
 from planning_domains import check
@@ -40,26 +37,7 @@ GAP = 4  # actions between two requests of a stream
 OR_SECONDS, OR_STREAM_SECONDS = 5.0, 1.0
 
 UNITS = {"first [s]": "s of processor", "first": "steps", "wait": "requests", "all [s]": "s of processor"}
-UNITS.update({"all": "steps", "executed": "steps", "or": "steps", "ours/or": "", "out [s]": "s of processor"})
-UNITS.update({"longest [s]": "s of processor", "still [s]": "s", "ms": "ms of processor"})
-
-
-class Arrivals:
-    """Requests in the order of their arrival: one every ``gap`` actions, all at once if it is 0."""
-
-    def __init__(self, numbers, gap):
-        self._left, self._gap, self._count = deque(numbers), gap, 0
-
-    def __bool__(self):
-        return bool(self._left)
-
-    def due(self, actions, busy):
-        """Return the numbers that arrive after some actions; at least one if no request is open (not ``busy``)."""
-        found = []
-        while self._left and (self._gap * self._count <= actions or not (found or busy)):
-            found.append(self._left.popleft())
-            self._count += 1
-        return found
+UNITS.update({"all": "steps", "executed": "steps", "or": "steps", "out [s]": "s of processor", "still [s]": "s"})
 
 
 def routes_planned(floor, requests, task):
@@ -72,12 +50,12 @@ def routes_planned(floor, requests, task):
 
 def routes_executed(floor, requests, task):
     """Return the number of executed steps if OR-Tools plans again with each request."""
-    world, arrivals, route, executed = task.world_type(task), Arrivals(range(len(requests)), GAP), deque(), 0
+    world, arrivals, route, executed = task.world_type(task), Arrivals(len(requests), GAP), deque(), 0
     while arrivals or world.open:
         fresh = arrivals.due(executed, world.open)
         if fresh:
             for number in fresh:
-                world.ask(number + 1)
+                world.ask(number)
             known = [requests[number - 1] for number in world.open]
             carried = [one for one in known if ("carried", f"p{one.number}") in world.state]
             waiting, office = [one for one in known if one not in carried], office_of(world)
@@ -94,14 +72,12 @@ def measure_row(name, count, how, options):
     requests = random_requests(floor, count, options.seed)
     task, cells = task_of(floor, requests), {}
     if how == "once":
-        cells.update(zip(("first [s]", "first", "wait"), first_plan(task, CoreSettings.search_timeout)))
-        cells.update(zip(("all [s]", "all"), first_plan(task, limit=options.limit) or ()))
-    arrivals = Arrivals(range(1, count + 1), GAP if how == "stream" else 0)
-    due = lambda robot: arrivals.due(robot.executed, robot.busy)  # noqa: E731
-    cells.update(execute(task, options.action_time, due=due))
+        first, whole = first_plan(task, timeout=CoreSettings.search_timeout), first_plan(task, limit=options.limit)
+        cells.update({"first [s]": first.seconds, "first": first.steps, "wait": first.queued})
+        cells.update({"all [s]": whole.seconds, "all": whole.steps} if whole else {})
+    cells.update(execute(task, options.action_time, gap=GAP if how == "stream" else 0))
     if peers.folder_of(peers.OR_TOOLS):
         cells["or"] = (routes_planned if how == "once" else routes_executed)(floor, requests, task)
-        cells["ours/or"] = cells["executed"] / cells["or"]
     return cells
 
 
