@@ -53,9 +53,9 @@ class ChartsView {
     ];
     if (this.model.timed) charts.push(this.chart("Search for plans", solver, this.solver(found.solver)));
     if (found.metres !== null) charts.push(this.chart("Metres driven", `${found.metres.toFixed(1)} m`, this.metres(found.metres)));
-    const listed = charts.filter(({ shapes }) => !shapes).map(({ title, words }) => [html("dt", {}, title), html("dd", {}, words)]);
+    const listed = charts.filter(({ shapes }) => !shapes).map(({ title, words }) => [title, words]);
     const drawn = charts.filter(({ shapes }) => shapes).map((one) => this.figure(one));
-    return [listed.length ? html("dl", { class: "listed" }, listed) : null, html("div", { class: "charts" }, drawn)];
+    return [listed.length ? definitions(listed, { class: "listed" }) : null, html("div", { class: "charts" }, drawn)];
   }
 
   chart(title, words, shapes, height = CHART.height) {

@@ -26,6 +26,16 @@ function svg(tag, attributes, ...children) {
   return fill(document.createElementNS(SVG, tag), attributes, children);
 }
 
+/** Create a button; ``act`` is called by a click. */
+function button(words, act, attributes) {
+  return html("button", { type: "button", onclick: act, ...attributes }, words);
+}
+
+/** Create a list of pairs of a name and words. */
+function definitions(pairs, attributes) {
+  return html("dl", attributes, pairs.map(([name, words]) => [html("dt", {}, name), html("dd", {}, words)]));
+}
+
 /** Replace the children of an element. */
 function show(element, ...children) {
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));

@@ -23,7 +23,7 @@ class Notices {
   say(text, bad = false, about = "") {
     const box = html("div", { class: bad ? "message bad" : "message", "data-about": about }, html("span", {}, text));
     for (const other of [...this.messages.children]) if (about && other.dataset.about === about) other.remove();
-    box.append(html("button", { type: "button", "aria-label": "Close the message", onclick: () => box.remove() }, "×"));
+    box.append(button("×", () => box.remove(), { "aria-label": "Close the message" }));
     this.messages.append(box);
     while (this.messages.children.length > 3) this.messages.firstElementChild.remove();
     if (!bad) window.setTimeout(() => box.remove(), 1000 * MESSAGE_TIME);
@@ -47,7 +47,7 @@ class Notices {
       this.dialog.close();
       act();
     };
-    show(this.buttons, buttons.map(([name, act]) => html("button", { type: "button", class: name, onclick: close(act) }, name)));
+    show(this.buttons, buttons.map(([name, act]) => button(name, close(act), { class: name })));
     if (!this.dialog.open) this.dialog.showModal();
     this.buttons.lastElementChild.focus();
   }

@@ -30,7 +30,7 @@ class GoalsView {
     if (!this.rows.has(goal.id)) this.rows.set(goal.id, this.newRow(goal));
     const { row, name, word, waited, reason, acts } = this.rows.get(goal.id);
     const buttons = this.buttons(goal, state);
-    redraw(acts, buttons.map(([text]) => text), () => buttons.map(([text, act]) => html("button", { type: "button", "aria-label": `${text} ${goal.words}`, onclick: act }, text)));
+    redraw(acts, buttons.map(([text]) => text), () => buttons.map(([text, act]) => button(text, act, { "aria-label": `${text} ${goal.words}` })));
     const plain = [goal.request === goal.words ? "" : goal.request, state.details];
     const terms = plain.filter(Boolean).join("\n");
     const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
@@ -87,7 +87,7 @@ class PlanView {
       metres === null ? null : ["driven", `${metres.toFixed(1)} m`],
       this.model.timed ? ["search for plans", `${brief(total)} of the solver, at most ${brief(longest)} for a cycle`] : null,
     ];
-    return html("dl", {}, rows.filter(Boolean).map(([name, words]) => [html("dt", {}, name), html("dd", {}, words)]));
+    return definitions(rows.filter(Boolean));
   }
 
   thinking(since, waits) {
@@ -160,7 +160,7 @@ class LogView {
     this.model = model;
     this.seek = seek;
     this.list = html("ol", { class: "log", tabindex: "0", "aria-label": "Log of the run" });
-    const more = (words, by) => html("button", { type: "button", onclick: () => this.show(this.first + by, LOG_LINES) }, words);
+    const more = (words, by) => button(words, () => this.show(this.first + by, LOG_LINES));
     this.earlier = more("Earlier lines", -LOG_LINES / 2);
     this.later = more("Later lines", LOG_LINES / 2);
     [this.first, this.past, this.known, this.now] = [0, 0, 0, -1];
@@ -209,7 +209,7 @@ class LogView {
   }
 
   line({ time, cycle, kind, text, details }, number) {
-    const moment = html("button", { type: "button", class: "moment", onclick: () => this.seek(time) }, seconds(time));
+    const moment = button(seconds(time), () => this.seek(time), { class: "moment" });
     return html(
       "li",
       { class: `entry ${kind}` },
