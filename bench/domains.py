@@ -22,6 +22,7 @@ Run it in the built workspace: ./dev exec python3 bench/domains.py
 """
 
 import time
+from itertools import product
 
 import incmode
 import peers
@@ -82,9 +83,8 @@ def measure_row(domain, size, options):
 
 def measure(options):
     """Yield the figures of all rows."""
-    for domain in options.domains:
-        for size in options.sizes:
-            yield from row_figures(f"{domain}, {size}", measure_row(domain, size, options), UNITS)
+    for domain, size in product(options.domains, options.sizes):
+        yield from row_figures(f"{domain}, {size}", measure_row(domain, size, options), UNITS)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ Run it in the built workspace: ./dev exec python3 bench/fleet.py
 """
 
 import heapq
+from itertools import product
 
 import peers
 from acting_core import ENCODINGS, PooledCore
@@ -170,12 +171,8 @@ def measure_row(name, robots, count, how, options):
 
 def measure(options):
     """Yield the figures of all rows."""
-    for name in options.floors:
-        for robots in options.robots:
-            for count in options.requests:
-                for how in options.how:
-                    cells = measure_row(name, robots, count, how, options)
-                    yield from row_figures(f"{name}/{robots}/{count} {how}", cells, UNITS)
+    for row in product(options.floors, options.robots, options.requests, options.how):
+        yield from row_figures("{}/{}/{} {}".format(*row), measure_row(*row, options), UNITS)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ Run it in the built workspace: ./dev exec python3 bench/many_goals.py
 """
 
 from collections import deque
+from itertools import product
 
 import peers
 from acting_core import OPTIONS, Arrivals, execute, first_plan
@@ -83,10 +84,8 @@ def measure_row(name, count, how, options):
 
 def measure(options):
     """Yield the figures of all rows."""
-    for floor in options.floors:
-        for count in options.requests:
-            for how in options.how:
-                yield from row_figures(f"{floor}/{count} {how}", measure_row(floor, count, how, options), UNITS)
+    for floor, count, how in product(options.floors, options.requests, options.how):
+        yield from row_figures(f"{floor}/{count} {how}", measure_row(floor, count, how, options), UNITS)
 
 
 if __name__ == "__main__":
