@@ -4,7 +4,10 @@
 
 const TABLES = ["goals", "cycles", "words", "actions", "packages", "terms", "beliefs", "shapes", "poses", "paths", "scans", "log"];
 const NEWS = new Set(["request", "cancel", "return", "fact"]); // kinds of lines of the log after which a plan is made
+
+/** The states of goals that have not ended, and of those that have failed; the others are succeeded and canceled. */
 const OPEN = new Set(["pending", "active", "canceling", "waiting"]);
+const FAILED = new Set(["rejected", "aborted", "lost"]);
 
 /** The index of the last record not later than a moment, in a list ordered by time; -1 if there is none. */
 function lastAt(list, time, timeOf = (one) => one.time) {
@@ -234,13 +237,14 @@ class RunModel {
     return this.goals.map((goal) => this.goalAt(goal, time)).filter((state) => state && state.open);
   }
 
-  /** The state of a goal: {word, reason, waited}; null before it was sent. */
+  /** The state of a goal: {word, reason, details, waited (s), open, failed, explained (the reason matters)}; null before it was sent. */
   goalAt(goal, time) {
     const number = lastAt(goal.states, time, (one) => one[0]);
     if (goal.sent > time || number < 0) return null;
     const [, word, reason, details] = goal.states[number];
     const end = goal.ended !== null && goal.ended <= time ? goal.ended : time;
-    return { word, reason, details, waited: end - goal.sent, open: OPEN.has(word) };
+    const failed = FAILED.has(word);
+    return { word, reason, details, waited: end - goal.sent, open: OPEN.has(word), failed, explained: failed || word === "waiting" };
   }
 
   /** Seconds until a goal was accepted, null if it was not. */

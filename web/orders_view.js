@@ -5,17 +5,10 @@ const MINE = "rosoclingo orders";
 
 const ENDED_SHOWN = 5;
 
-/** The states of an order that are announced, and those of them that are failures. */
-const ANNOUNCED = new Set(["succeeded", "canceled", "waiting", "rejected", "aborted", "lost"]);
-const FAILURES = new Set(["rejected", "aborted", "lost"]);
-
 /** A text with a capital letter at its beginning. */
 function capital(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
-
-/** The states that people ask about. */
-const ASKED_ABOUT = new Set(["pending", "waiting", "rejected", "aborted", "lost"]);
 
 /** This browser's stored data: its key, and the ids of its goals. */
 class Orders {
@@ -146,8 +139,8 @@ class OrdersView {
   }
 
   /** The button that asks why a goal is not met, if there is a reason to ask. */
-  questions(goal, { word }) {
-    return ASKED_ABOUT.has(word) ? [["Why?", () => this.explain(goal)]] : [];
+  questions(goal, { word, explained }) {
+    return explained || word === "pending" ? [["Why?", () => this.explain(goal)]] : [];
   }
 
   explain(goal) {
@@ -166,13 +159,14 @@ class OrdersView {
     this.facts = this.facts.filter((fact) => this.model.log.length < fact.line + 100 && !this.isIgnored(fact));
   }
 
+  /** Report that a goal has ended or is queued. */
   announce(goal) {
-    const [, word, reason] = goal.states[goal.states.length - 1];
+    const { word, reason, open, failed, explained } = this.model.goalAt(goal, Infinity);
     const before = this.states.get(goal.id);
     this.states.set(goal.id, word);
-    if (before === undefined || before === word || !ANNOUNCED.has(word)) return; // ``undefined``: before this page was opened
-    const why = reason && (FAILURES.has(word) || word === "waiting") ? ` (${reason})` : "";
-    this.notices.say(`${capital(this.model.said(word))}: ${goal.words}${why}`, FAILURES.has(word), goal.id);
+    if (before === undefined || before === word || (open && !explained)) return; // ``undefined``: before this page was opened
+    const why = reason && explained ? ` (${reason})` : "";
+    this.notices.say(`${capital(this.model.said(word))}: ${goal.words}${why}`, failed, goal.id);
   }
 
   /** Return whether the core's log reports that it ignores a fact, and show that. */

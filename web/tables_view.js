@@ -33,12 +33,11 @@ class GoalsView {
     redraw(acts, buttons.map(([text]) => text), () => buttons.map(([text, act]) => button(text, act, { "aria-label": `${text} ${goal.words}` })));
     const plain = [goal.request === goal.words ? "" : goal.request, state.details];
     const terms = plain.filter(Boolean).join("\n");
-    const speaks = !["pending", "active", "canceling", "succeeded", "canceled"].includes(state.word); // the others need no words
     redraw(name, [goal.words, terms], () => [folded(goal.words, terms, this.open, goal.id)]);
     say(word, this.model.said(state.word));
     word.className = `state ${state.word}`;
     say(waited, seconds(state.waited));
-    say(reason, speaks ? state.reason : "");
+    say(reason, state.explained ? state.reason : "");
     return row;
   }
 

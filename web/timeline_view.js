@@ -137,7 +137,7 @@ class TimelineView {
   }
 
   goal({ goal, state, end }, top, time) {
-    const name = state.open ? "now" : state.word === "succeeded" ? "done" : state.word === "canceled" ? "gone" : "failed";
+    const name = state.open ? "now" : state.failed ? "failed" : state.word === "succeeded" ? "done" : "gone";
     const whole = `${goal.words}: ${this.model.said(state.word)}${state.reason ? ` (${state.reason})` : ""}, ${seconds(state.waited)}`;
     return this.bar(goal.sent, Math.max(end, state.open ? time : end), top, name, goal.words, whole);
   }
