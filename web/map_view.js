@@ -61,7 +61,7 @@ class MapView {
   draw(time, whole = false) {
     [this.time, this.whole] = [time, whole];
     const bounds = this.bounds();
-    const robots = this.robotsAt(time);
+    const robots = this.model.robotsAt(time);
     say(this.caption, this.words(time, robots));
     this.list(time, robots);
     if (!bounds) {
@@ -80,15 +80,6 @@ class MapView {
       [this.floor(), this.ways(time), this.scan(time), robots.map((robot) => this.driven(time, robot))],
       [moves.map(({ lines }) => lines), this.labels(time), robots.map((robot) => this.robotShape(time, robot)), moves.map(({ numbers }) => numbers)]
     );
-  }
-
-  /** The robots on the map: {name (empty for the only one), x, y, yaw, colour (a class)}. */
-  robotsAt(time) {
-    const several = this.model.robotsAt(time).filter(({ pose }) => pose);
-    if (several.length) return several.map(({ name, pose: [x, y, yaw] }) => ({ name, x, y, yaw, colour: this.model.colour(name) }));
-    const believed = this.model.about.labels[this.model.believedPlaceAt(time)];
-    const { pose } = this.model.poseAt(time) || { pose: believed };
-    return pose ? [{ name: "", x: pose[0], y: pose[1], yaw: pose[2], colour: "" }] : [];
   }
 
   floor() {
@@ -118,8 +109,8 @@ class MapView {
   }
 
   /** The next moves of a robot: the first ones with numbers, the others faint; the first along its path if that is known. */
-  moves(time, { name, x, y, colour }) {
-    const moves = this.model.movesAt(time, name, [x, y]);
+  moves(time, { name, pose, colour }) {
+    const moves = this.model.movesAt(time, name, pose);
     const legs = moves.map(({ action, from, to }, number) => {
       const path = number || name ? [] : this.model.pathAt(time);
       const end = path[path.length - 1];
@@ -214,7 +205,7 @@ class MapView {
     });
   }
 
-  robotShape(time, { name, x: east, y: north, yaw, colour }) {
+  robotShape(time, { name, pose: [east, north, yaw], colour }) {
     const [x, y] = this.at(east, north);
     const size = Math.max(9 * this.unit, 0.18 * this.scale);
     const carried = this.model.thingsAt(time).get(name) || [];
@@ -234,7 +225,7 @@ class MapView {
   /** Several robots, each with its place, its load, and what it does now and next. */
   list(time, robots) {
     const several = robots.filter(({ name }) => name);
-    const lines = several.map((robot) => [robot, `${this.place(robot.x, robot.y)}${this.load(time, robot.name)}`, this.deeds(time, robot.name)]);
+    const lines = several.map((robot) => [robot, `${this.place(...robot.pose)}${this.load(time, robot.name)}`, this.deeds(time, robot.name)]);
     redraw(this.robots, lines, () => lines.map(([{ name, colour }, place, deeds]) => html("li", {}, html("strong", { class: `robotname ${colour}` }, name), ` ${place}`, deeds ? `; ${deeds}` : "")));
   }
 

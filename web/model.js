@@ -258,10 +258,9 @@ class RunModel {
     const published = latest(this.packages, time);
     if (published) return published.places;
     const drawn = this.drawnAt(time).filter(({ kind }) => kind === "thing" || kind === "carried");
-    const names = this.robotsAt(time).map(({ name }) => name);
     return drawn.map(({ labels, text }) => {
       const [robot, ...thing] = text.split(" ");
-      return !labels.length && thing.length && names.includes(robot) ? [thing.join(" "), robot] : [text, labels[0] || ""];
+      return !labels.length && thing.length && this.robotNames.includes(robot) ? [thing.join(" "), robot] : [text, labels[0] || ""];
     });
   }
 
@@ -270,7 +269,7 @@ class RunModel {
     return grouped(this.packagesAt(time).map(([name, place]) => [place, name]));
   }
 
-  /** Several robots: {name, pose ([x, y, yaw])}; the pose of a robot without a recorded one is its label. */
+  /** The robots that have a pose: {name ("" for the only one), pose ([x, y, yaw]), colour}; without a recorded pose, it is that of a label. */
   robotsAt(time) {
     const found = new Map();
     for (const { kind, labels, text } of this.drawnAt(time)) {
@@ -280,7 +279,10 @@ class RunModel {
       const last = latest(poses, time);
       if (name && last) found.set(name, { name, pose: last.pose });
     }
-    return [...found.values()].sort((one, other) => (one.name < other.name ? -1 : 1));
+    const several = [...found.values()].filter(({ pose }) => pose).sort((one, other) => (one.name < other.name ? -1 : 1));
+    if (several.length) return several.map((robot) => ({ ...robot, colour: this.colour(robot.name) }));
+    const { pose } = this.poseAt(time) || { pose: this.about.labels[this.believedPlaceAt(time)] };
+    return pose ? [{ name: "", pose, colour: "" }] : [];
   }
 
   /** The program's drawings: {kind, labels, text}. */
