@@ -73,6 +73,16 @@ class PooledCore:
         returns = (f"_return({one.interface},{one.parameter},{one.cycle})" for one in ended)
         self.core.receive("bench", [*facts, *returns])
 
+    def better_plans(self, seconds):
+        """Improve the plan while actions run, in some seconds of processor time; yield after each better plan."""
+        end = self.process.cpu_time + seconds
+
+        def is_over():
+            return self.process.cpu_time >= end
+
+        while not is_over() and self.core.improve(is_over) and not is_over():  # a stopped search is not exhausted
+            yield
+
     def await_standby(self, seconds):
         """Wait until the standby worker has its answer or has used some ``seconds`` of processor time."""
         if self.process.is_prefetching:
@@ -167,20 +177,10 @@ class Robot(PooledCore):
             check(self.world, list(plan.values()))
         return len(plan)
 
-    def improve(self, seconds):
-        """Improve the plan while an action runs; yield the steps of each better plan."""
-        begin = self.process.cpu_time
-
-        def over():
-            return self.process.cpu_time - begin >= seconds
-
-        while self.core.improve(over) and not over():  # a stopped search does not show whether it is exhausted
-            yield self.steps()
-
     def act(self, seconds):
         """Execute the awaited actions in ``seconds``, and plan for queued goals meanwhile; raises RuleError."""
-        for _ in self.improve(seconds):
-            pass
+        for _ in self.better_plans(seconds):
+            self.steps()
         if self.waiting:
             self.core.prepare()
         self.await_standby(seconds)
@@ -248,7 +248,10 @@ def first_plan(
         begin = robot.process.cpu_time
         robot.ask(range(1, len(task.goals) + 1))
         steps, seconds = robot.plan(), robot.process.cpu_time - begin
-        return FirstPlan(seconds, steps, robot.waiting, [steps, *robot.improve(improvement)][-1])
+        first = FirstPlan(seconds, steps, robot.waiting, steps)
+        for _ in robot.better_plans(improvement):
+            first = first._replace(improved=robot.steps())
+        return first
     return None
 
 

@@ -116,13 +116,8 @@ class FleetCore(PooledCore):
     def _improve(self, end):
         """Improve the plan until the time of the next event, and prefetch a plan with queued goals."""
         seconds = SHARE * (end - self.now)
-        limit = self.process.cpu_time + seconds
-
-        def is_over():
-            return self.process.cpu_time >= limit
-
         self.core.prepare()
-        while not is_over() and self.core.improve(is_over):
+        for _ in self.better_plans(seconds):
             self.core.prepare()  # from the better plan
         self.await_standby(seconds)
 
