@@ -3,7 +3,7 @@
 A recursion is finite if an argument counts down, or up, to a bound.
 """
 
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 from rosoclingo.golog.grammar import Procedures, Signature, choice, parameters, signature, statements
 from rosoclingo.oclingo.grammars import SyntaxNode
@@ -14,7 +14,6 @@ COUNTING = "if N > 0 { p(N - 1); }"
 
 _LOOPS = ("while", "star", "every", "achieve")
 _TOGETHER = ("seq", "conc", "prio", "order", "interrupts")
-_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 class _Beginning(NamedTuple):
@@ -70,28 +69,17 @@ def _beginning_of(one: SyntaxNode, procedures: Procedures, idle: Set[Signature])
 # ---- finite recursion ----------------------------------------------------------------------------------------------
 
 
-class _Bound(NamedTuple):
-    """A bound of a parameter: it is above (direction -1) or below (1) a number or the ``other`` parameter."""
-
-    name: str
-    direction: int
-    other: Optional[str]
-
-
-_Bounds = FrozenSet[_Bound]
-
-
 def _without_finite_recursion(calls: List[SyntaxNode], procedure: SyntaxNode) -> List[SyntaxNode]:
     """Remove the direct recursive calls of a procedure if an argument approaches a bound in all of them.
 
     The bound is in a condition of ``if``, ``while``, ``pick`` or ``test``, as in ``if N > 0 { p(N - 1); }``. The solver
     then needs no instances beyond it.
     """
-    known = frozenset(one.text for one in parameters(procedure))
     own = [call for call in calls if signature(call) == signature(procedure)]
+    names = [one.text for one in parameters(procedure)]
     ways = [
-        frozenset(_approaches(call, bounds, procedure))
-        for call, bounds in _bounded(procedure.parts[-1], procedure, known, frozenset())
+        frozenset(_counters(call, names, in_scope, conditions))
+        for call, in_scope, conditions in _calls(procedure.parts[-1], frozenset(names), ())
         if any(call is one for one in own)
     ]
     if not own or not frozenset.intersection(*ways):
@@ -99,55 +87,51 @@ def _without_finite_recursion(calls: List[SyntaxNode], procedure: SyntaxNode) ->
     return [call for call in calls if signature(call) != signature(procedure)]
 
 
-def _bounded(
-    one: SyntaxNode, procedure: SyntaxNode, known: FrozenSet[str], bounds: _Bounds
-) -> Iterator[Tuple[SyntaxNode, _Bounds]]:
-    """Yield the recursive calls in a statement, each with the bounds of the parameters in scope."""
+def _calls(
+    one: SyntaxNode, in_scope: FrozenSet[str], conditions: Sequence[SyntaxNode]
+) -> Iterator[Tuple[SyntaxNode, FrozenSet[str], Sequence[SyntaxNode]]]:
+    """Yield the calls in a statement, each with the parameters ``in_scope`` and the conditions that hold before it."""
     if one.kind == "step":
-        if signature(one.parts[0]) == signature(procedure):
-            yield one.parts[0], bounds
-    elif one.kind in ("pick", "every"):
-        variables, condition, body = choice(one)
-        known -= {variable.text for variable in variables}
-        bounds = frozenset(bound for bound in bounds if {bound.name, bound.other or bound.name} <= known)
-        yield from _bounded(body, procedure, known, bounds | _bounds(condition, known))
-    else:
-        inside = bounds | _bounds(one.parts[0], known) if one.kind in ("if", "while") else bounds
-        for part in statements(one):
-            yield from _bounded(part, procedure, known, inside)
-            inside = bounds if one.kind == "if" else inside
-            if one.kind == "seq" and part.kind in ("test", "await"):
-                inside |= _bounds(part.parts[0], known)
+        yield one.parts[0], in_scope, conditions
+    inside = conditions
+    if one.kind in ("pick", "every"):
+        variables, condition, _ = choice(one)
+        in_scope, inside = in_scope - {variable.text for variable in variables}, [*conditions, condition]
+    elif one.kind in ("if", "while"):
+        inside = [*conditions, one.parts[0]]
+    for part in statements(one):
+        yield from _calls(part, in_scope, inside)
+        if one.kind == "if":
+            inside = conditions
+        elif one.kind == "seq" and part.kind in ("test", "await"):
+            inside = [*inside, part.parts[0]]
 
 
-def _bounds(condition: SyntaxNode, known: FrozenSet[str]) -> _Bounds:
-    """Return the bounds that a comparison, or a conjunction of comparisons, sets."""
-    if condition.kind == "and":
-        return frozenset(bound for part in condition.parts for bound in _bounds(part, known))
-    if condition.kind != "comparison" or condition.text not in _MIRRORED:
-        return frozenset()
-    (left, right), operator = condition.parts, condition.text
-    return frozenset([*_bound(left, operator, right, known), *_bound(right, _MIRRORED[operator], left, known)])
+def _counters(
+    call: SyntaxNode, names: Sequence[str], in_scope: FrozenSet[str], conditions: Sequence[SyntaxNode]
+) -> Iterator[Tuple[int, int]]:
+    """Yield the positions of the arguments that approach a bound in a call, with the direction, 1 or -1.
 
-
-def _bound(left: SyntaxNode, operator: str, right: SyntaxNode, known: FrozenSet[str]) -> Iterator[_Bound]:
-    if left.kind != "variable" or left.text not in known:
-        return
-    direction = -1 if operator in (">", ">=") else 1
-    if right.kind == "variable" and right.text in known:
-        yield _Bound(left.text, direction, right.text)
-    elif right.kind == "constant" and right.text.isdecimal():
-        yield _Bound(left.text, direction, None)
-
-
-def _approaches(call: SyntaxNode, bounds: _Bounds, procedure: SyntaxNode) -> Iterator[Tuple[int, int]]:
-    """Yield the positions of the arguments that approach a bound in a call, with the direction, 1 or -1."""
-    names = [one.text for one in parameters(procedure)]
-    same = {name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name}
+    ``names`` are the parameters of the procedure. The ``conditions`` hold before the call.
+    """
+    passed_on = frozenset(name for name, one in zip(names, call.parts) if one.kind == "variable" and one.text == name)
     for place, (name, argument) in enumerate(zip(names, call.parts)):
-        for bound in bounds:
-            if bound.name == name and bound.other in {None, *same} and _direction(argument, name) == bound.direction:
-                yield place, bound.direction
+        direction = _direction(argument, name) if name in in_scope else 0
+        if direction and any(_bounds(one, name, direction, passed_on & in_scope) for one in conditions):
+            yield place, direction
+
+
+def _bounds(condition: SyntaxNode, name: str, direction: int, fixed: FrozenSet[str]) -> bool:
+    """Return whether a condition bounds a variable in a direction, by a number or a ``fixed`` variable."""
+    if condition.kind == "and":
+        return any(_bounds(part, name, direction, fixed) for part in condition.parts)
+    if condition.kind != "comparison" or condition.text[0] not in "<>":
+        return False
+    less, greater = condition.parts if condition.text[0] == "<" else condition.parts[::-1]
+    counter, bound = (less, greater) if direction == 1 else (greater, less)
+    if counter.kind != "variable" or counter.text != name:
+        return False
+    return bound.text in fixed if bound.kind == "variable" else bound.kind == "constant" and bound.text.isdecimal()
 
 
 def _direction(term: SyntaxNode, name: str) -> int:
