@@ -2,61 +2,85 @@
 
 from collections import Counter
 from itertools import islice, product
-from typing import Iterator, List, Sequence
+from typing import Dict, Iterable, Iterator, List, Sequence, Tuple, TypeVar
 
 import clingo
 from clingo.ast import ASTType
 
+from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.progression.terms import parse_atom
+from rosoclingo.oclingo.program.survey import Place
+from rosoclingo.oclingo.progression.terms import Signature, parse_atom, parse_term
+from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, is_variable, names_of, patterns_of, substitute
 
-#: Greatest numbers of names, which facts mention most, and of requests of each kind.
-NAMES, MOST = 20, 200
+#: Greatest numbers of names, which facts mention most, of requests of each kind, and of instances of a pattern.
+NAMES, MOST, MOST_INSTANCES = 20, 200, 1000
 
 IDENTIFIER = "1"
 """The preferred last argument of a request, which identifies it."""
 
+_REQUEST = Signature("_request", 2)
+
+T = TypeVar("T")
+
+Use = Tuple[Place, Patterns]
+"""An atom in a rule, and the patterns of the terms wanted from it."""
+
 
 def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
     """Return likely requests for each kind of request in the program's rules."""
-    kinds = {
-        _shape(one.term.arguments[0]): one.term.arguments[0]
-        for part in program.parts
-        for statement, one in part.atoms
-        if (one.signature.name, one.signature.arity) == ("_request", 2) and statement.ast_type == ASTType.Rule
-    }
-    names = names_in_facts(program)
-    return [_requests(kind, names) for text, kind in sorted(kinds.items()) if _is_goal(kind)]
+    kinds: Dict[str, List[Use]] = {}
+    for place in program.survey.using.get(_REQUEST, ()):
+        goal = place.occurrence.arguments[0]
+        if place.statement.ast_type == ASTType.Rule and _is_goal(goal):
+            kinds.setdefault(_shape(goal), []).append((place, patterns_of(goal, dict(program.values))))
+    names = [*map(parse_term, names_in_facts(program))]
+    return [_requests(likely_patterns(program, uses), names) for _, uses in sorted(kinds.items())]
 
 
 def _is_goal(term: Node) -> bool:
     return bool(term.ast_type == ASTType.Function and term.name not in ("", "cancel") and term.arguments)
 
 
-def _shape(term: Node) -> str:
-    """Return the text of a term with anonymous variables."""
-    if not _is_goal(term):
-        return str(term)
-    arguments = ("_" if one.ast_type == ASTType.Variable else str(one) for one in term.arguments)
-    return f"{term.name}({','.join(arguments)})"
+def _shape(goal: Node) -> str:
+    """Return the text of a goal with anonymous variables."""
+    arguments = ("_" if one.ast_type == ASTType.Variable else str(one) for one in goal.arguments)
+    return f"{goal.name}({','.join(arguments)})"
 
 
-def _requests(kind: Node, names: List[str]) -> Iterator[str]:
-    """Yield requests of a kind with different names in all arguments, the most frequent names first."""
-    arguments = list(kind.arguments)
-    choices = [names if one.ast_type == ASTType.Variable else [str(one)] for one in arguments]
-    if len(arguments) > 1 and arguments[-1].ast_type == ASTType.Variable:
-        choices[-1] = [IDENTIFIER, *names]
-    return (f"{kind.name}({','.join(words)})" for words in combine(choices))
+def _requests(patterns: Sequence[clingo.Symbol], names: Sequence[clingo.Symbol]) -> Iterator[str]:
+    """Yield instances of the patterns of goals with different arguments, the most frequent names first."""
+    unbound = len(names_of(patterns[0])) if patterns else 0
+    identified = any(len(one.arguments) > 1 and is_variable(one.arguments[-1]) for one in patterns)
+    last = [[parse_term(IDENTIFIER), *names] if identified else names]
+    for pattern, *words in combine([patterns, *[names] * (unbound - 1), *last[:unbound]]):
+        variables = dict.fromkeys(name for one in pattern.arguments for name in sorted(names_of(one)))
+        goal = substitute(pattern, dict(zip(variables, words)))
+        if len(set(goal.arguments)) == len(goal.arguments):
+            yield str(goal)
 
 
-def combine(choices: Sequence[Sequence[str]]) -> Iterator[List[str]]:
-    """Yield rows of different words, one of each choice, the first words first; at most :data:`MOST` rows."""
+def likely_patterns(program: ReactiveProgram, uses: Iterable[Use]) -> List[clingo.Symbol]:
+    """Return patterns with values for as many variables as possible, by the other atoms of their rules."""
+    values = ArgumentValues.of(program)
+    found = dict.fromkeys(
+        one
+        for place, patterns in uses
+        for pattern in patterns
+        for one in islice(values.instances(place, pattern), MOST_INSTANCES)
+        if ANY.name not in names_of(one)
+    )
+    least = min((len(names_of(one)) for one in found), default=0)
+    return [one for one in found if len(names_of(one)) == least]
+
+
+def combine(choices: Sequence[Sequence[T]]) -> Iterator[List[T]]:
+    """Yield rows of different things, one of each choice, the first things first; at most :data:`MOST` rows."""
     places = sorted(product(*(range(len(choice)) for choice in choices)), key=sum)
     rows = ([choice[place] for choice, place in zip(choices, some)] for some in places)
-    return islice((words for words in rows if len(set(words)) == len(words)), MOST)
+    return islice((row for row in rows if len(set(row)) == len(row)), MOST)
 
 
 def names_in_facts(program: ReactiveProgram) -> List[str]:

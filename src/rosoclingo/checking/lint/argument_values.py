@@ -1,16 +1,28 @@
 """The possible argument values of predicates, an over-approximation computed from the rules."""
 
 from functools import lru_cache
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Set, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION
+from rosoclingo.oclingo.program.literals import plain_literals
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import term_signature
+from rosoclingo.oclingo.program.survey import Place
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, arguments_in, is_variable, matches, names_of
+from rosoclingo.planning.explaining.atom_patterns import (
+    ANY,
+    Bound,
+    Patterns,
+    arguments_in,
+    is_variable,
+    matches,
+    names_of,
+    patterns_of,
+    substitute,
+)
 from rosoclingo.planning.explaining.reach import Condition, HeadRule, Reach, UncertainError
 
 STATUS = Signature("_status", 3)
@@ -35,6 +47,7 @@ class ArgumentValues:
     """
 
     def __init__(self, program: ReactiveProgram) -> None:
+        self._constants = program.survey.constants
         self._reach: Optional[Reach] = None
         self.rules: Sequence[HeadRule] = ()
         self._columns: Dict[Tuple[Signature, int, Optional[clingo.Symbol]], Set[clingo.Symbol]] = {}
@@ -53,7 +66,7 @@ class ArgumentValues:
 
     def is_possible(self, signature: Signature) -> bool:
         """Return whether any atom of the predicate can be true."""
-        return self._is_free(signature) or bool(self._atoms(signature))
+        return self._is_free(signature) or bool(self.atoms(signature))
 
     def derived_by(self, number: int) -> List[clingo.Symbol]:
         """Return the actions or statuses that a rule derives, given by its number."""
@@ -70,6 +83,30 @@ class ArgumentValues:
         patterns = self._reach.patterns(term, step)
         return self._impossible(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
+    def instances(self, place: Place, pattern: clingo.Symbol) -> Iterator[clingo.Symbol]:
+        """Yield instances of a pattern of terms in an atom, with values from the other positive body atoms of its rule.
+
+        Variables without a known value remain.
+        """
+        names = names_of(pattern)
+        conditions: List[clingo.Symbol] = []
+        for term in (one.atom.symbol for one in plain_literals(place.statement)):
+            if term is not place.occurrence.term and not self._is_free(term_signature(term)):
+                patterns = patterns_of(term, {**self._constants, place.part.parameter: ANY})
+                conditions += [one for one in patterns if len(patterns) == 1 and names & names_of(one)]
+        unbound = {name: clingo.Function(name) for name in names}
+        yield from (substitute(pattern, {**unbound, **bound}) for bound in self._bindings(conditions, {}))
+
+    def _bindings(self, conditions: Sequence[clingo.Symbol], bound: Bound) -> Iterator[Bound]:
+        """Yield the values of variables for which all conditions are possible."""
+        if not conditions:
+            yield bound
+            return
+        for atom in self.atoms(signature_of(conditions[0])):
+            values = dict(bound)
+            if matches(conditions[0], atom, values):
+                yield from self._bindings(conditions[1:], values)
+
     def disjoint(self, number: int) -> Optional[Disjoint]:
         """Return two atoms of a rule, given by its number, that share a variable without a common value."""
         known: Dict[str, Tuple[Condition, Set[clingo.Symbol]]] = {}
@@ -85,13 +122,14 @@ class ArgumentValues:
         return None
 
     def _is_free(self, signature: Signature) -> bool:
-        return self._reach is None or signature in self._reach.free or len(self._atoms(signature)) > _MOST
+        return self._reach is None or signature in self._reach.free or len(self.atoms(signature)) > _MOST
 
-    def _atoms(self, signature: Signature) -> Sequence[clingo.Symbol]:
+    def atoms(self, signature: Signature) -> Sequence[clingo.Symbol]:
+        """Return the possible atoms of a predicate; none if they are unknown."""
         return () if self._reach is None else self._reach.atoms(signature)
 
     def _impossible(self, signature: Signature, arguments: Sequence[Patterns]) -> Optional[ImpossibleArgument]:
-        if self._is_free(signature) or not self._atoms(signature):
+        if self._is_free(signature) or not self.atoms(signature):
             return None
         first = _first(arguments[0]) if arguments and len(arguments[0]) == 1 else None
         for position, patterns in enumerate(arguments):
@@ -107,7 +145,7 @@ class ArgumentValues:
         first = first if position else None
         key = signature, position, first
         if key not in self._columns:
-            rows = map(arguments_in, self._atoms(signature))
+            rows = map(arguments_in, self.atoms(signature))
             self._columns[key] = {row[position] for row in rows if first is None or matches(first, row[0], {})}
         return self._columns[key]
 

@@ -1,5 +1,6 @@
 """Derives the likely events of a program from its rules: goals, facts, and the reasons of failed actions."""
 
+from itertools import product
 from typing import Dict, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
 import clingo
@@ -7,36 +8,36 @@ from clingo import Symbol
 from clingo.ast import ASTType
 
 from rosoclingo.checking.extension import Kinds
-from rosoclingo.checking.sample_requests import sample_requests
+from rosoclingo.checking.lint.argument_values import ArgumentValues
+from rosoclingo.checking.sample_requests import likely_patterns, sample_requests
 from rosoclingo.checking.trial_plans import Trials
 from rosoclingo.checking.verifying.moves import Repertory
 from rosoclingo.checking.verifying.scope import EventSelection
 from rosoclingo.checking.verifying.shared_solver import Streams
 from rosoclingo.checking.verifying.time_shift import Argument
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, is_action
-from rosoclingo.oclingo.program.literals import binds, fixed_signatures, mentions, names_in, plain_literals
-from rosoclingo.oclingo.program.look_back import time_offset
+from rosoclingo.oclingo.program.literals import fixed_signatures
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
+from rosoclingo.oclingo.program.survey import Place
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
+from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, names_of, patterns_of, substitute
 from rosoclingo.reasoning.keywords import FAILURE, RESERVED, name_of, request
 
 TRIED, MOST = 8, 40
 """Numbers of requests of a kind that are tried if one of them has a plan with actions, and otherwise."""
 
-_THING, _FACT = "__verified_thing", "__verified_fact"
-
 
 def likely_repertory(program: ReactiveProgram, selection: EventSelection) -> Repertory:
     """Return the likely events of a program, as far as the user does not select them."""
     goals = selection.goals or tuple(likely_goals(program, selection.most, selection.kinds))
-    base = _BaseAtoms(program, goals)
-    facts = (one for one in base.facts(selection.most) if not selection.facts or one.name in selection.facts)
+    facts = tuple(_likely_facts(program, goals, selection))
     actions = Streams(program, [request(one, 1) for one in goals]).actions()
     interfaces = sorted({name for name, _ in actions})
-    reasons = {name_of(one): base.reasons(one, interfaces, selection.reasons) for one in interfaces}
-    return Repertory(goals, tuple(facts), reasons)
+    known = _KnownReturns(program)
+    reasons = {name_of(one): known.reasons(one, interfaces, selection.reasons) for one in interfaces}
+    return Repertory(goals, facts, reasons)
 
 
 def likely_goals(program: ReactiveProgram, most: int, kinds: Kinds = ()) -> Iterator[Symbol]:
@@ -71,74 +72,46 @@ def _different(goals: Sequence[Symbol], most: int) -> List[Symbol]:
     return found
 
 
-class _BaseAtoms:
-    """The atoms of the base part, by which rules bind facts and look up the values of returns."""
+def _likely_facts(program: ReactiveProgram, goals: Sequence[Symbol], selection: EventSelection) -> Iterator[Symbol]:
+    """Yield facts of cycle 1 that match body atoms of rules, a limited number of each selected predicate.
 
-    def __init__(self, program: ReactiveProgram, goals: Sequence[Symbol]) -> None:
-        self._program, self._constants = program, dict(program.values)
+    Variables that no other atom of a rule binds range over the things of goals.
+    """
+    things = dict.fromkeys(one.arguments[-1] for one in goals)
+    words = {argument for one in goals for argument in one.arguments}
+    for signature in sorted(program.external_signatures):
+        name = signature.name
+        unobserved = (name, signature.arity) in RESERVED or name in (RETURN.name, FAILED.name) or name[:2] == "__"
+        if unobserved or not signature.positive or (selection.facts and name not in selection.facts):
+            continue
+        places = [one for one in program.survey.using.get(signature, ()) if one.part.parameter]
+        patterns = likely_patterns(program, [(one, _present(one, program)) for one in places])
+        found = {
+            substitute(pattern, dict(zip(names_of(pattern), row)))
+            for pattern in patterns
+            for row in product(things, repeat=len(names_of(pattern)))
+        }
+        rows = sorted(tuple(one.arguments) for one in found)
+        for row in sorted(rows, key=lambda row: (len(set(row)) < len(row), -len(words & set(row))))[: selection.most]:
+            yield clingo.Function(name, row)
+
+
+def _present(place: Place, program: ReactiveProgram) -> Patterns:
+    """Return the patterns of an atom in a rule, with cycle 1 for times."""
+    times, constants = program.survey.steps(place), program.survey.constants
+    terms = [patterns_of(one, {**constants, place.part.parameter: ANY}) for one in place.occurrence.arguments]
+    rows = product(*((clingo.Number(1),) if n in times else one for n, one in enumerate(terms)))
+    return tuple(clingo.Function(place.signature.name, row) for row in rows)
+
+
+class _KnownReturns:
+    """The return values that a program's rules distinguish."""
+
+    def __init__(self, program: ReactiveProgram) -> None:
+        self._constants, self._values = dict(program.values), ArgumentValues.of(program)
         self._fixed = fixed_signatures(program.parts) - program.external_signatures
-        self._words = {argument for one in goals for argument in one.arguments}
-        self._stepped = [(part.parameter, *one) for part in program.parts if part.parameter for one in part.found]
-        self._observed = [
-            one
-            for one in sorted(program.external_signatures)
-            if (one.name, one.arity) not in RESERVED
-            and one.positive
-            and one.name not in (RETURN.name, FAILED.name)
-            and not one.name.startswith("__")
-        ]
-        things = dict.fromkeys(one.arguments[-1] for one in goals)
-        queries = [
-            f"{_FACT}_{number}{text}"
-            for number, signature in enumerate(self._observed)
-            for text in dict.fromkeys(self._queries(signature))
-        ]
-        control = clingo.Control(program.arguments(), logger=lambda code, text: None)
-        program.load_into(control)
-        control.add("__verified", [], "\n".join([*(f"{_THING}({one})." for one in things), *queries]))
-        control.ground([("base", []), ("__verified", [])])
-        self._control = control
+        self._stepped = [one for part in program.parts if part.parameter for one in part.found]
         self._flow, self._constants_compared = self._return_flow()
-
-    # -- facts
-
-    def facts(self, most: int) -> Iterator[Symbol]:
-        """Yield facts of cycle 1 that match body atoms of rules, at most ``most`` of each predicate."""
-        for number, signature in enumerate(self._observed):
-            known = [
-                one.symbol.arguments
-                for one in self._control.symbolic_atoms.by_signature(f"{_FACT}_{number}", signature.arity + 1)
-            ]
-            best = min((one[0] for one in known), default=None)
-            likely = (one[1:] for one in known if one[0] == best)
-            for one in sorted(likely, key=lambda one: (len(set(one)) < len(one), -len(self._words & set(one)), one))[
-                :most
-            ]:
-                yield clingo.Function(signature.name, one)
-
-    def _queries(self, signature: Signature) -> Iterator[str]:
-        """Yield rules that derive the arguments of a predicate in rules.
-
-        The first argument of a head is the number of unbound variables. Atoms of the base part in the same body bind
-        variables; the other variables range over the things of goals.
-        """
-        for parameter, statement, found in self._stepped:
-            for one in found:
-                if one.signature != signature or one.head:
-                    continue
-                times = [time_offset(term, parameter, self._constants) is not None for term in one.arguments]
-                rest = [term for term, time in zip(one.arguments, times) if not time]
-                if any(mentions(term, parameter) for term in rest):
-                    continue
-                names = {name for term in rest for name in names_in(term)}
-                binding = [one for one in plain_literals(statement) if binds(one, parameter, self._fixed)]
-                needed = [one for one in binding if names & set(names_in(one))]
-                unbound = sorted(names - {name for one in needed for name in names_in(one)})
-                body = ", ".join([*map(str, needed), *(f"{_THING}({name})" for name in unbound)])
-                arguments = ["1" if time else str(term) for term, time in zip(one.arguments, times)]
-                yield f"({','.join([str(len(unbound)), *arguments])}){' :- ' * bool(body)}{body}."
-
-    # -- reasons
 
     def reasons(
         self, interface: Symbol, interfaces: Sequence[Symbol], more: Mapping[str, Sequence[Symbol]]
@@ -157,8 +130,8 @@ class _BaseAtoms:
         """
         found: Dict[Symbol, Set[Tuple[str, ...]]] = {one: {("named", str(one))} for one in self._constants_compared}
         for signature, place in sorted(self._flow):
-            for atom in self._control.symbolic_atoms.by_signature(*signature) if signature in self._fixed else ():
-                row = atom.symbol.arguments
+            for atom in self._values.atoms(signature) if signature in self._fixed else ():
+                row = atom.arguments
                 rest = [*row[:place], *row[place + 1 :]]
                 if not others.intersection(rest):
                     found.setdefault(row[place], set()).add((str(signature), str(place), *map(str, rest)))
@@ -170,13 +143,13 @@ class _BaseAtoms:
         before = 0
         while before != len(flow):
             before = len(flow)
-            for _, _, found in self._stepped:
+            for _, found in self._stepped:
                 names = _names_at(found, flow)
                 heads = {(one, place) for one, place, term in _arguments(found, True) if str(term) in names}
                 flow |= {one for one in heads if one[0] != ACTION}
         lookups: Set[Argument] = set()
         terms: List[Node] = []
-        for _, statement, found in self._stepped:
+        for statement, found in self._stepped:
             names = _names_at(found, flow)
             for one, place, term in _arguments(found, False):
                 lookups |= {(one, place)} if str(term) in names else set()

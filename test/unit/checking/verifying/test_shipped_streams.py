@@ -5,6 +5,7 @@ import pytest
 from shipped import ENCODINGS, shipped
 from workloads import sized
 
+from rosoclingo.checking.verifying.likely_events import likely_repertory
 from rosoclingo.checking.verifying.scope import EventSelection, VerifyLimits
 from rosoclingo.checking.verifying.verification import verify
 from rosoclingo.oclingo import ReactiveProgram, parse_term
@@ -24,6 +25,14 @@ def test_verify_finds_small_programs_clean(name):
 def test_verify_finds_delivery_programs_clean(files):
     verdict = verify(shipped(*files), EventSelection(most=1), VerifyLimits(events=1, steps=20), seconds=300)
     assert verdict.clean, verdict.text()
+
+
+def test_likely_events_of_the_house_lead_to_actions():
+    """The things to bring are known from other atoms in the rules for requests."""
+    found = likely_repertory(shipped("house.lp", "home.lp"), EventSelection(most=1))
+    assert [*map(str, found.goals)] == ["bring(study,cup)"]
+    assert set(found.reasons) == {"move_base", "pickup", "deliver"}
+    assert "_seen(cup,study,1)" in map(str, found.facts)
 
 
 @pytest.mark.slow
