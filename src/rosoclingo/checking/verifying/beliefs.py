@@ -13,9 +13,6 @@ from rosoclingo.planning.question import Read
 from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.reasoning.keywords import FAILED, NEVER, RETURN
 
-_EMPTY_LAYERS = 3
-"""Number of successive invisible steps before which all steps are invisible."""
-
 _ANSWERS = (Signature(RETURN, 3), Signature(FAILED, 3))
 
 _Literals = List[Tuple[clingo.Symbol, int]]
@@ -83,15 +80,12 @@ class Beliefs:
 
     def _seen(self, atoms: _AtomsByTime, first: int) -> Iterator[Tuple[clingo.Symbol, int]]:
         """Yield the atoms of steps before ``first`` that later rules can see, with times relative to ``first``."""
-        empty = 0
-        for time in sorted((one for one in atoms.at if one is not None and one < first), reverse=True):
-            moved = [(self._shift.shift(atom, -first), literal) for atom, literal in atoms.at[time]]
-            seen = [one for one in moved if self._is_visible(one[0])]
-            yield from seen
-            empty = 0 if seen else empty + 1
-            if empty == _EMPTY_LAYERS:
-                break
-        yield from (one for one in atoms.at.get(None, ()) if signature_of(one[0]) in self._stepped)
+        for time, found in atoms.at.items():
+            if time is None:
+                yield from (one for one in found if signature_of(one[0]) in self._stepped)
+            elif time < first:
+                moved = ((self._shift.shift(atom, -first), literal) for atom, literal in found)
+                yield from (one for one in moved if self._is_visible(one[0]))
 
     def _is_visible(self, atom: clingo.Symbol) -> bool:
         """Return whether rules of step 0 or later can see an earlier atom."""

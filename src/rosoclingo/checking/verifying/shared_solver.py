@@ -5,7 +5,7 @@ verification uses this to explore many streams of one program.
 """
 
 from dataclasses import replace
-from typing import Callable, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 
@@ -83,7 +83,7 @@ class Streams:
         self.program, self.choices = program, Choices()
         self._known: Set[clingo.Symbol] = set()
         self._readers, self._halt, self._all_plans = readers, halt, all_plans
-        self._groundings: List[Grounding] = []
+        self._groundings: Dict[int, Grounding] = {}  # by the last step
         self.learn(known)
 
     def actions(self) -> Set[Tuple[clingo.Symbol, clingo.Symbol]]:
@@ -154,18 +154,16 @@ class Streams:
 
     def _grounding(self, last: int) -> Grounding:
         """Return a grounding of at least ``last`` steps."""
-        for one in self._groundings:
-            if one.horizon >= last:
-                return one
-        end = self._groundings[-1].horizon * _GROWTH if self._groundings else _FIRST
+        end = _FIRST
         while end < last:
             end *= _GROWTH
-        first = self.program.first_step
-        facts = frozenset(redate(one, cycle) for one in self._known for cycle in range(first, end + 2))
-        items = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
-        snapshot = Snapshot(first, end, min_horizon=first, number=1, items=items)
-        self._groundings.append(Grounding(self.program, snapshot, end, facts))
-        return self._groundings[-1]
+        if end not in self._groundings:
+            first = self.program.first_step
+            facts = frozenset(redate(one, cycle) for one in self._known for cycle in range(first, end + 2))
+            items = tuple(TimedStatement(Statement(one), FOREVER, 1) for one in sorted(facts))
+            snapshot = Snapshot(first, end, min_horizon=first, number=1, items=items)
+            self._groundings[end] = Grounding(self.program, snapshot, end, facts)
+        return self._groundings[end]
 
 
 def _question(grounding: Grounding, snapshot: Snapshot, facts: FrozenSet[clingo.Symbol]) -> Optional[Question]:
