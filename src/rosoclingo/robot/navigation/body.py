@@ -1,7 +1,7 @@
 """The robot's body, and collision checks of its movements on a costmap."""
 
 import math
-from typing import Optional, Sequence, Tuple, Union
+from typing import Optional, Sequence, Union
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
 TURN_CLEARANCE = 0.005  # m: clearance of the corners during a turn, to allow for the delay of commands
-MIN_SPACING = 0.0125  # m: minimum spacing of the discs that cover an edge
 CURVATURES = np.array(
     [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
 )  # 1/m: candidate arcs of an escape
@@ -34,22 +33,6 @@ class Body:
         self.radius, self.footprint = radius, tuple(footprint)
         self.inner = inscribed_radius(radius, self.footprint)
         self.outer = max((math.hypot(*corner) for corner in self.footprint), default=radius)
-        self._discs: Tuple[float, np.ndarray] = (0.0, np.empty((0, 5)))
-
-    def discs(self, resolution: float) -> np.ndarray:
-        """Return the discs that cover the body, in cells of the given resolution (m).
-
-        See :mod:`~rosoclingo.robot.navigation.compiled.footprints` for the array.
-        """
-        if self._discs[0] != resolution:
-            found = [(0.0, 0.0, self.outer, 0.0, 0.0)]
-            corners = [np.array(corner, dtype=np.float64) for corner in self.footprint]
-            for a, b in zip(corners, corners[1:] + corners[:1]):
-                count = max(1, math.ceil(math.hypot(*(b - a)) / max(0.25 * resolution, MIN_SPACING)))
-                half = 0.5 / count * (b - a)
-                found += [(*(a + (2 * i + 1) * half), math.hypot(*half), *half) for i in range(count)]
-            self._discs = (resolution, np.array(found) / resolution)
-        return self._discs[1]
 
 
 class BodyState:
@@ -58,7 +41,8 @@ class BodyState:
     def __init__(self, body: Body, costmap: Costmap, pose: Pose2D, velocity: Velocity, period: float) -> None:
         self.body, self.costmap, self.pose, self.velocity, self.period = body, costmap, pose, velocity, period
         self._scale = 1.0 / costmap.resolution
-        self._discs = body.discs(costmap.resolution)
+        outline = np.array(body.footprint, dtype=np.float64).reshape(-1, 2) * self._scale
+        self._shape = (outline, body.radius * self._scale, body.outer * self._scale)
         self._cells = np.array([*costmap.to_cells(pose.x, pose.y), pose.yaw])
         self._obstacles = (costmap.clearance, costmap.occupied)
 
@@ -82,7 +66,7 @@ class BodyState:
         """
         if not self.body.footprint:
             return True
-        return bool(can_turn(*self._obstacles, self._discs, self._cells, angle, TURN_CLEARANCE * self._scale))
+        return bool(can_turn(*self._obstacles, self._shape, self._cells, angle, TURN_CLEARANCE * self._scale))
 
     def best_command(
         self,
@@ -100,7 +84,7 @@ class BodyState:
         """  # fmt: skip
         scale, cells = self._scale, np.array(self.costmap.to_cells(*carrot))
         i, j = best_command(
-            *self._obstacles, self._discs, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale,
+            *self._obstacles, self._shape, self._cells, speeds * scale, needs * scale, turns, cells, comfort * scale,
             horizon, self.costmap.resolution,
         )  # fmt: skip
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
@@ -114,7 +98,7 @@ class BodyState:
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
             for floor in ARC_CLEARANCES:
                 i, length = best_arc(
-                    *self._obstacles, self._discs, self._cells, curvatures / scale, ARC_LIMIT * scale,
+                    *self._obstacles, self._shape, self._cells, curvatures / scale, ARC_LIMIT * scale,
                     (self.body.outer + spare) * scale, floor * scale,
                 )  # fmt: skip
                 if length != 0.0:

@@ -41,6 +41,7 @@ class Robot:
     """State of a robot: ``pose`` and ``odometry`` (m, rad; in the world frame), velocity, stall.
 
     ``drift``: factors of the odometry's velocities (v, w). ``outline``: corners (m) of the footprint, empty for a disc.
+    ``reach``: radius (m) of the circumscribed circle.
     """
 
     def __init__(self, spec: RobotSpec, seed: int) -> None:
@@ -49,7 +50,7 @@ class Robot:
         self._seed = seed
         corners = np.array(spec.footprint or [(-spec.radius, -spec.radius), (spec.radius, spec.radius)])
         self._width = float(np.ptp(corners, axis=0).min())
-        self._reach = float(np.hypot(*corners.T).max()) if spec.footprint else spec.radius
+        self.reach = float(np.hypot(*corners.T).max()) if spec.footprint else spec.radius
         self.lasers = tuple(Laser(laser, seed + 1 + i) for i, laser in enumerate(spec.lasers))
         self.reset()
 
@@ -108,7 +109,7 @@ class Robot:
             self.stalled = False
             return CLEAR
         grain = min(CHECK_DISTANCE, 0.5 * self._width / scale)
-        part, hit = sweep(*around, outline, self._reach / scale, *pose, self.v / scale, self.w, dt, grain)
+        part, hit = sweep(*around, outline, self.reach / scale, *pose, self.v / scale, self.w, dt, grain)
         self.pose = self.pose.advance(self.v, self.w, dt * part)
         self.odometry = self.odometry.advance(self.v * self.drift[0], self.w * self.drift[1], dt * part)
         self.stalled = hit != CLEAR

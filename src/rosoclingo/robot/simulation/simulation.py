@@ -166,7 +166,7 @@ class Simulation:
     def _hits(self, robot: str, pose: Pose2D) -> int:
         """Return the kind of obstacle that a robot at a pose overlaps, including one that contains the whole robot."""
         body, outline = self.robots[robot], self._outlines[robot] * (1.0 - CONTACT_TOLERANCE)
-        radius = body.spec.radius / self._scale * (1.0 - CONTACT_TOLERANCE)
+        radius = body.reach / self._scale * (1.0 - CONTACT_TOLERANCE)
         hit = int(body_hits(*self._surroundings(robot), outline, radius, *self._in_cells(pose)))
         point = pose.compose(Pose2D(*body.outline[0])) if body.outline else pose
         solids = self._solids + [other.corners() for other in self.robots.values() if other is not body]

@@ -10,31 +10,24 @@ from occupied_grids import GRIDS, clearance_of
 
 from rosoclingo.robot.navigation import Costmap, GridPlanner, NavigationOutcome, PlanOutcome, Pose2D
 from rosoclingo.robot.navigation.body import Body
-from rosoclingo.robot.navigation.compiled.footprints import NEAR, PARTS, body_clearance
+from rosoclingo.robot.navigation.compiled.footprints import NEAR, body_clearance
 
 BODIES = [Body(2.3), Body(0.0, ((3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (3.0, -2.0)))]
 
 
-def small_discs(body, resolution):
-    """Return the discs that cover a body near obstacles (x, y, radius; cells)."""
-    discs = body.discs(resolution)
-    if not body.footprint:
-        return discs[:, :3]
-    parts = (2.0 * np.arange(PARTS) + 1.0) / PARTS - 1.0
-    middles = discs[1:, None, :2] + parts[:, None] * discs[1:, None, 3:]
-    radii = np.repeat(discs[1:, 2] / PARTS, PARTS)
-    return np.column_stack((middles.reshape(-1, 2), radii))
-
-
 def distances(body, occupied, x, y, yaw):
-    """Return the distances (cells) of a body's edge, by small discs, or of a disc itself, from squares of cells."""
+    """Return the distances (cells) of a body's edge, by points 0.01 apart, or of a disc from squares of cells."""
     c, s = math.cos(yaw), math.sin(yaw)
-    discs = small_discs(body, 1.0)
-    middles = discs[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
+    points = np.zeros((1, 2))
+    if body.footprint:
+        corners = np.array(body.footprint)
+        parts = np.linspace(0.0, 1.0, 601)[:, None, None]
+        points = (corners + parts * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 2)
+    points = points @ np.array([[c, s], [-s, c]]) + (x, y)
     rows, columns = np.nonzero(occupied)
-    dx = np.maximum(np.maximum(columns - middles[:, :1], middles[:, :1] - columns - 1), 0)
-    dy = np.maximum(np.maximum(rows - middles[:, 1:], middles[:, 1:] - rows - 1), 0)
-    return (np.hypot(dx, dy) - discs[:, 2:]).min(axis=0)
+    dx = np.maximum(np.maximum(columns - points[:, :1], points[:, :1] - columns - 1), 0)
+    dy = np.maximum(np.maximum(rows - points[:, 1:], points[:, 1:] - rows - 1), 0)
+    return np.hypot(dx, dy).min(axis=0) - (0.0 if body.footprint else body.radius)
 
 
 def edge_meets(body, occupied, x, y, yaw):
@@ -53,17 +46,30 @@ def edge_meets(body, occupied, x, y, yaw):
     return (inside & (points[:, 1:] > rows) & (points[:, 1:] < rows + 1)).any(axis=0)
 
 
+def contains_square(body, occupied, x, y, yaw):
+    """Return whether the middle of an occupied square is inside a footprint, which is a rectangle."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    rows, columns = np.nonzero(occupied)
+    middles = (np.column_stack((columns, rows)) + 0.5 - (x, y)) @ np.array([[c, -s], [s, c]])
+    return bool(body.footprint) and bool((np.abs(middles) < np.max(body.footprint, axis=0)).all(axis=1).any())
+
+
 @given(GRIDS, st.sampled_from(BODIES), st.tuples(st.floats(0.0, 20.0), st.floats(0.0, 20.0), st.floats(-4.0, 4.0)))
-def test_touching_clearance_tells_contact_of_a_body(occupied, body, pose):
+def test_touching_clearance_is_exact_near_obstacles(occupied, body, pose):
     height, width = occupied.shape
     pose = (min(pose[0], width - 0.1), min(pose[1], height - 0.1), pose[2])
+    shape = (np.array(body.footprint, dtype=float).reshape(-1, 2), body.radius, body.outer)
+    found = body_clearance(clearance_of(occupied, 9.0), occupied, shape, *pose, 9.0)
     gap = distances(body, occupied, *pose).min(initial=9.0)
-    found = body_clearance(clearance_of(occupied, 9.0), occupied, body.discs(1.0), *pose, 9.0)
-    assert found <= gap + (NEAR if gap >= 0.0 else 0.0) + 1e-4
-    if found >= 0.0:
-        assert not edge_meets(body, occupied, *pose).any()
-    else:
-        assert gap < 1e-6
+    inside = contains_square(body, occupied, *pose)
+    if found < 0.0:
+        assert inside or gap < 1e-6
+        return
+    assert not inside
+    assert not edge_meets(body, occupied, *pose).any()
+    assert min(found, 9.0) <= gap + 1e-6
+    if gap < NEAR:
+        assert found > gap - 0.01
 
 
 def test_touching_ghost_does_not_push_robot_into_wall():

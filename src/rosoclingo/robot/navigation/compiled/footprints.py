@@ -1,64 +1,84 @@
 """Clearance of the robot's body, compiled by numba.
 
-Lengths are in cells, as in ``clearance``. A body is a float64 array (n, 5) of discs (x, y, radius, in the robot's
-frame). The first disc contains the whole robot. Unless the robot is a disc, further discs cover its edge. The last two
-columns of a disc are the vector from its centre to the point where the edge leaves it. Close to obstacles, PARTS
-smaller discs along this vector replace the disc.
+Lengths are in cells, as in ``clearance``. A body is a tuple (outline, radius, outer): the first two as in ``outlines``,
+and the radius of the circumscribed circle around the robot's origin.
 """
 
 import math
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.clearance import square_distance
+from rosoclingo.robot.navigation.compiled.clearance import HALF_DIAGONAL
 from rosoclingo.robot.navigation.compiled.jit import jit
+from rosoclingo.robot.navigation.compiled.outlines import crosses, gap, to_body
 from rosoclingo.robot.navigation.compiled.path import point_clearance
 
-NEAR = 0.75  # cells: maximum error of the interpolation between cells
-PARTS = 16
+NEAR = 1.0  # cells: distance up to which the distance of a square is exact
+THIN = 0.01  # cells: depth of a body that crosses a square without containing its centre
 
 
 @jit
 def body_clearance(clearance, occupied, body, x, y, yaw, enough):
     """Return the distance of a body at a pose from the nearest obstacle; negative in collision.
 
-    Each disc of the edge with its centre in an occupied cell adds a cell to the depth, so that a body that touches an
-    obstacle cannot touch more of it. Discs of the edge are skipped if the clearance certainly exceeds ``enough``. The
-    result is exact in tight places, elsewhere a lower bound. ``clearance``: float32 (H, W); ``occupied``: uint8 (H, W).
+    In collision it is less by the number of cells that the body overlaps, so that a body that touches an obstacle
+    cannot touch more of it. The result is exact up to NEAR and ``enough``, beyond a lower bound. ``clearance``: float32
+    (H, W); ``occupied``: uint8 (H, W).
     """
-    first = min(1, body.shape[0] - 1)
-    if first:
-        spare = point_clearance(clearance, x, y) - body[0, 2]
-        if spare > enough:
-            return spare
+    outline, radius, outer = body
+    spare = point_clearance(clearance, x, y) - outer
+    if spare > enough:
+        return spare
+    least, overlaps = wall_gap(occupied, outline, radius, outer + enough, x, y, yaw)
+    return min(least, enough) - overlaps
+
+
+@jit
+def wall_gap(occupied, outline, radius, reach, x, y, yaw):
+    """Return the distance of a body from the nearest occupied square, and the number of squares that it overlaps.
+
+    Squares further than ``reach`` from the pose (x, y, yaw) are ignored.
+    """
+    height, width = occupied.shape
+    least, overlaps = np.inf, 0
+    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
+        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
+            if occupied[row, column]:
+                away = _square_gap(outline, radius, x, y, yaw, column, row)
+                least = min(least, away)
+                overlaps += away < 0.0
+    return least, overlaps
+
+
+@jit
+def _square_gap(outline, radius, x, y, yaw, column, row):
+    """Return the distance of a body from the square of a cell, negative if they overlap."""
+    if outline.shape[0] == 0:
+        return _square_distance(x, y, column, row) - radius
+    px, py = to_body(x, y, yaw, column + 0.5, row + 0.5)
+    least = gap(outline, radius, px, py)
+    if least < 0.0:
+        return least
+    if least > NEAR + HALF_DIAGONAL:
+        return least - HALF_DIAGONAL
+    for k in range(4):
+        px, py = to_body(x, y, yaw, column + k % 2, row + k // 2)
+        least = min(least, gap(outline, radius, px, py))
     c, s = math.cos(yaw), math.sin(yaw)
-    least, inside = np.inf, 0
-    for i in range(first, body.shape[0]):
-        px, py = _placed(body[i], x, y, c, s, 0.0)
-        spare = point_clearance(clearance, px, py) - body[i, 2]
-        if spare - NEAR < max(0.0, least):
-            if spare < NEAR:
-                spare = _disc_gap(occupied, body[i], x, y, c, s)
-                inside += square_distance(occupied, px, py, 1.0) == 0.0
-            least = min(least, spare)
-    return least - inside
+    ax, ay = x + c * outline[-1, 0] - s * outline[-1, 1], y + s * outline[-1, 0] + c * outline[-1, 1]
+    for i in range(outline.shape[0]):
+        bx, by = x + c * outline[i, 0] - s * outline[i, 1], y + s * outline[i, 0] + c * outline[i, 1]
+        least = min(least, _square_distance(bx, by, column, row))
+        # A side that crosses the square crosses one of its diagonals.
+        up = crosses(ax, ay, bx, by, column, row, column + 1.0, row + 1.0)
+        if up or crosses(ax, ay, bx, by, column, row + 1.0, column + 1.0, row):
+            least = min(least, -THIN)
+        ax, ay = bx, by
+    return least
 
 
 @jit
-def _placed(disc, x, y, c, s, part):
-    """Return the point at a fraction ``part`` (-1 .. 1) of a disc's vector, on the grid."""
-    dx, dy = disc[0] + part * disc[3], disc[1] + part * disc[4]
-    return x + c * dx - s * dy, y + s * dx + c * dy
-
-
-@jit
-def _disc_gap(occupied, disc, x, y, c, s):
-    """Return the distance of a disc, or of its PARTS, from the nearest occupied square, at most NEAR."""
-    px, py = _placed(disc, x, y, c, s, 0.0)
-    gap = square_distance(occupied, px, py, disc[2] + NEAR) - disc[2]
-    if gap < disc[2] and (disc[3] != 0.0 or disc[4] != 0.0):
-        gap = NEAR
-        for k in range(PARTS):
-            px, py = _placed(disc, x, y, c, s, (2.0 * k + 1.0) / PARTS - 1.0)
-            gap = min(gap, square_distance(occupied, px, py, disc[2] + NEAR) - disc[2] / PARTS)
-    return gap
+def _square_distance(x, y, column, row):
+    """Return the distance of a point from the square of a cell, negative inside."""
+    dx, dy = abs(x - column - 0.5) - 0.5, abs(y - row - 0.5) - 0.5
+    return math.hypot(max(dx, 0.0), max(dy, 0.0)) + min(0.0, max(dx, dy))

@@ -21,6 +21,18 @@ def segment_distance(px, py, x0, y0, x1, y1):
 
 
 @jit
+def _side(ax, ay, bx, by, px, py):
+    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+
+
+@jit
+def crosses(ax, ay, bx, by, cx, cy, dx, dy):
+    """Return whether two segments cross."""
+    across = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
+    return across and (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0)
+
+
+@jit
 def gap(outline, radius, px, py):
     """Return the distance of a point in the body's frame from its edge, negative inside."""
     if outline.shape[0] == 0:

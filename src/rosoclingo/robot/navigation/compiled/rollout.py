@@ -93,6 +93,7 @@ def best_arc(clearance, occupied, body, pose, curvatures, longest, room, least):
     ``least`` (cells), or its present clearance if that is smaller. If no arc reaches ``room``, the result is the arc to
     the largest clearance; its length is 0.0 if no arc improves the clearance.
     """
+    _outline, _radius, outer = body
     now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], 2.0)
     least = min(least, now - 1e-3)
     shortest, most = np.inf, point_clearance(clearance, pose[0], pose[1]) + GAIN * room
@@ -101,7 +102,7 @@ def best_arc(clearance, occupied, body, pose, curvatures, longest, room, least):
         for sign in (1.0, -1.0):
             x, y, yaw, done, spare = pose[0], pose[1], pose[2], 0.0, now
             while done < min(longest, shortest):
-                step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * body[0, 2]))
+                step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * outer))
                 half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
                 x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
                 yaw, done = yaw + 2.0 * half, done + step

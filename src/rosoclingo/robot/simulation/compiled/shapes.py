@@ -6,23 +6,18 @@ Lengths are in cells of the world's grid, as in ``clearance``. Bodies are those 
 
 import math
 
-from rosoclingo.robot.navigation.compiled.clearance import ray_length, square_distance
+from rosoclingo.robot.navigation.compiled.clearance import ray_length
+from rosoclingo.robot.navigation.compiled.footprints import wall_gap
 from rosoclingo.robot.navigation.compiled.jit import jit
-from rosoclingo.robot.navigation.compiled.outlines import gap, segment_distance, to_body
+from rosoclingo.robot.navigation.compiled.outlines import crosses, gap, segment_distance, to_body
 
 CLEAR, HIT_WALL, HIT_SEGMENT, HIT_DISC = 0, 1, 2, 3
 
 
 @jit
-def _side(ax, ay, bx, by, px, py):
-    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-
-
-@jit
 def _segments_meet(ax, ay, bx, by, cx, cy, dx, dy):
     """Return whether two segments have a common point."""
-    across = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
-    if across and (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0):
+    if crosses(ax, ay, bx, by, cx, cy, dx, dy):
         return True
     return min(segment_distance(ax, ay, cx, cy, dx, dy), segment_distance(cx, cy, ax, ay, bx, by)) < 1e-9
 
@@ -40,33 +35,12 @@ def _overlaps_segment(outline, radius, x0, y0, x1, y1):
 
 
 @jit
-def _overlaps_wall(occupied, outline, radius, x, y, yaw):
-    """Return whether a body at a pose overlaps an occupied cell: by an edge, or by containing its centre."""
-    if outline.shape[0] == 0:
-        return square_distance(occupied, x, y, radius) < radius
-    c, s = math.cos(yaw), math.sin(yaw)
-    reach = 0.0
-    for i in range(outline.shape[0]):
-        a, b = outline[i - 1], outline[i]
-        ax, ay, dx, dy = x + c * a[0] - s * a[1], y + s * a[0] + c * a[1], b[0] - a[0], b[1] - a[1]
-        length = max(math.hypot(dx, dy), 1e-12)
-        if ray_length(occupied, ax, ay, (c * dx - s * dy) / length, (s * dx + c * dy) / length, length) < length:
-            return True
-        reach = max(reach, math.hypot(b[0], b[1]))
-    height, width = occupied.shape
-    for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
-        for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
-            if occupied[row, column]:
-                px, py = to_body(x, y, yaw, column + 0.5, row + 0.5)
-                if gap(outline, radius, px, py) < 0.0:
-                    return True
-    return False
-
-
-@jit
 def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
-    """Return which kind of obstacle a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC."""
-    if _overlaps_wall(occupied, outline, radius, x, y, yaw):
+    """Return which kind of obstacle a body at a pose overlaps: CLEAR, HIT_WALL, HIT_SEGMENT or HIT_DISC.
+
+    ``radius`` is that of its circumscribed circle, here and below.
+    """
+    if wall_gap(occupied, outline, radius, radius, x, y, yaw)[1]:
         return HIT_WALL
     for k in range(segments.shape[0]):
         x0, y0 = to_body(x, y, yaw, segments[k, 0], segments[k, 1])
