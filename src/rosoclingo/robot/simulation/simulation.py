@@ -42,8 +42,8 @@ class Simulation:
             name: np.array(robot.outline, dtype=np.float64).reshape(-1, 2) / self._scale
             for name, robot in self.robots.items()
         }
-        self._build({door.name: door for door in spec.doors}, {one.name: one for one in spec.obstacles})
-        self._check_places()
+        self._build({}, {door.name: door for door in spec.doors}, {one.name: one for one in spec.obstacles})
+        self._check()
 
     @property
     def time(self) -> float:
@@ -82,71 +82,71 @@ class Simulation:
 
         Raises WorldError if an initial pose is occupied; then no robot moves.
         """
-        before = {name: robot.pose for name, robot in self.robots.items()}
-        for robot in self.robots.values():
-            robot.pose = robot.spec.pose
-        try:
-            self._check_places()
-        except WorldError:
-            for name, robot in self.robots.items():
-                robot.pose = before[name]
-            raise
+        self._change({name: robot.spec.pose for name, robot in self.robots.items()}, self.doors, self.obstacles)
         for robot in self.robots.values():
             robot.reset()
 
     def place(self, robot: str, pose: Pose2D) -> None:
         """Move a robot to a pose (m). Raises WorldError if it would be in collision there."""
-        self._check_place(robot, pose)
-        self._robot(robot).place(pose)
+        placed = self._robot(robot)
+        self._change({robot: pose}, self.doors, self.obstacles)
+        placed.place(pose)
 
     def arrange(
         self, robots: Mapping[str, Tuple[Pose2D, Pose2D]], doors: Mapping[str, bool], obstacles: Dict[str, ObstacleSpec]
     ) -> None:
         """Restore robots (pose and odometry, m), doors and obstacles in one operation.
 
-        Raises WorldError if a robot would be in collision or an obstacle is invalid. The state is undefined then.
+        Raises WorldError if a robot would be in collision or an obstacle is invalid.
         """
-        for obstacle in obstacles.values():
-            self._check_obstacle(obstacle)
+        opened = {name: door._replace(open=doors[name]) for name, door in self.doors.items()}
+        self._change({name: pose for name, (pose, _) in robots.items()}, opened, dict(obstacles))
         for name, (pose, odometry) in robots.items():
             self.robots[name].place(pose)
             self.robots[name].odometry = odometry
-        self._build({name: door._replace(open=doors[name]) for name, door in self.doors.items()}, dict(obstacles))
-        self._check_places()
 
     def set_door(self, door: str, opened: bool) -> None:
         """Open or close a door. Raises WorldError if it is unknown or a robot stands in it."""
         if door not in self.doors:
             raise WorldError("unknown door {!r}; doors: {}".format(door, ", ".join(self.doors) or "none"))
         doors = {**self.doors, door: self.doors[door]._replace(open=opened)}
-        self._change(doors, self.obstacles, f"the door {door!r}")
+        self._change({}, doors, self.obstacles)
 
     def put_obstacle(self, obstacle: ObstacleSpec) -> None:
         """Add an obstacle, or move the one of that name.
 
         Raises WorldError if a robot stands there, or if position or size are invalid.
         """
-        self._check_obstacle(obstacle)
-        self._change(self.doors, {**self.obstacles, obstacle.name: obstacle}, f"the obstacle {obstacle.name!r}")
+        self._change({}, self.doors, {**self.obstacles, obstacle.name: obstacle})
 
     def remove_obstacle(self, name: str) -> None:
         """Remove an obstacle. Raises WorldError if it is unknown."""
         if name not in self.obstacles:
             known = ", ".join(self.obstacles) or "none"
             raise WorldError(f"unknown obstacle {name!r}; obstacles: {known}")
-        self._build(self.doors, {other: spec for other, spec in self.obstacles.items() if other != name})
+        self._build({}, self.doors, {other: one for other, one in self.obstacles.items() if other != name})
 
-    def _change(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec], what: str) -> None:
-        """Replace doors and obstacles. Raises WorldError if one would collide with a robot."""
-        before = self.doors, self.obstacles
-        self._build(doors, obstacles)
-        for name, robot in self.robots.items():
-            if self._hits(name, robot.pose) != CLEAR:
-                self._build(*before)
-                raise WorldError(f"{what} would collide with robot {name!r}")
+    def _change(
+        self, poses: Mapping[str, Pose2D], doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]
+    ) -> None:
+        """Move robots to poses (m), and replace doors and obstacles.
 
-    def _build(self, doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]) -> None:
-        """Set doors and obstacles, and compute their segments and discs in cells."""
+        Raises WorldError if an obstacle is invalid or a robot would be in collision; then nothing changes.
+        """
+        before = {name: robot.pose for name, robot in self.robots.items()}, self.doors, self.obstacles
+        self._build(poses, doors, obstacles)
+        try:
+            self._check()
+        except WorldError:
+            self._build(*before)
+            raise
+
+    def _build(
+        self, poses: Mapping[str, Pose2D], doors: Dict[str, DoorSpec], obstacles: Dict[str, ObstacleSpec]
+    ) -> None:
+        """Set poses, doors and obstacles, and compute segments and discs in cells."""
+        for name, pose in poses.items():
+            self.robots[name].pose = pose
         self.doors, self.obstacles = doors, obstacles
         self._solids = [obstacle.corners() for obstacle in obstacles.values() if obstacle.box]
         segments = [(door.start, door.end) for door in doors.values() if not door.open]
@@ -174,25 +174,22 @@ class Simulation:
             return HIT_SEGMENT
         return hit
 
-    def _check_places(self) -> None:
+    def _check(self) -> None:
+        """Check that obstacles are valid and robots free. Raises WorldError."""
+        for obstacle in self.obstacles.values():
+            problem = obstacle.problem() or self.spec.grid.off_map(*obstacle.at)
+            if problem:
+                raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
         for name, robot in self.robots.items():
-            self._check_place(name, robot.pose)
-
-    def _check_place(self, robot: str, pose: Pose2D) -> None:
-        if not all(map(math.isfinite, pose)):
-            raise WorldError(f"robot {robot!r}: the pose must be finite, not {tuple(pose)}")
-        self._robot(robot)
-        outside = self.spec.grid.off_map(pose.x, pose.y)
-        if outside:
-            raise WorldError(f"robot {robot!r}: {outside}")
-        hit = self._hits(robot, pose)
-        if hit != CLEAR:
-            raise WorldError(f"robot {robot!r} would collide with {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
-
-    def _check_obstacle(self, obstacle: ObstacleSpec) -> None:
-        problem = obstacle.problem() or self.spec.grid.off_map(*obstacle.at)
-        if problem:
-            raise WorldError(f"the obstacle {obstacle.name!r}: {problem}")
+            pose = robot.pose
+            if not all(map(math.isfinite, pose)):
+                raise WorldError(f"robot {name!r}: the pose must be finite, not {tuple(pose)}")
+            outside = self.spec.grid.off_map(pose.x, pose.y)
+            if outside:
+                raise WorldError(f"robot {name!r}: {outside}")
+            hit = self._hits(name, pose)
+            if hit != CLEAR:
+                raise WorldError(f"robot {name!r} would collide with {HITS[hit]} at ({pose.x:.2f}, {pose.y:.2f})")
 
     def _robot(self, name: str) -> Robot:
         if name not in self.robots:

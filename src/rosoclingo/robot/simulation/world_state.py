@@ -26,7 +26,7 @@ def world_state(simulation: Simulation) -> Dict[str, Any]:
 def resume_world(simulation: Simulation, kept: Reader) -> None:
     """Restore a new world to a state, with robots at rest.
 
-    Raises WorldError if the state does not fit this world. The simulation must not be used then.
+    Raises WorldError if the state does not fit this world, which then stays as it is.
     """
     robots = {name: _two_poses(item) for name, item in kept.at("robots").entries()}
     doors = {name: item.flag() for name, item in kept.at("doors").entries()}

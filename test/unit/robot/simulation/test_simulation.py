@@ -58,7 +58,7 @@ def test_simulation_refuses_unknown_or_impossible_changes():
     world = simulation(room(), Pose2D(1.0, 1.0), doors=(door,), laser=None)
     for call, words in (
         (lambda: world.set_door("gate", True), "gate"),
-        (lambda: world.set_door("door", False), "the door 'door' would collide with robot"),
+        (lambda: world.set_door("door", False), "robot 'robot_0' would collide with a door"),
         (lambda: world.put_obstacle(ObstacleSpec("bin", (1.0, 1.0), radius=0.3)), "would collide"),
         (lambda: world.put_obstacle(ObstacleSpec("o", (math.nan, 1.0), 0.1)), "the obstacle 'o': .*finite"),
         (lambda: world.put_obstacle(ObstacleSpec("o", (3.0, 1.0), 0.1, Box(1.0, 1.0))), "either a positive radius"),

@@ -66,7 +66,9 @@ def test_world_state_restores_positions_at_rest():
     ],
 )
 def test_world_state_refuses_state_of_another_world(change, text):
-    state = {**world_state(Simulation(WORLD)), **change}
+    world = Simulation(WORLD)
+    before = world_state(world)
     with pytest.raises(WorldError) as caught:
-        resumed(state)
+        resume_world(world, Reader({**before, **change}, "~kept"))
     assert text in str(caught.value)
+    assert world_state(world) == before

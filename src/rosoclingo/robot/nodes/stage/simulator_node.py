@@ -99,7 +99,8 @@ class SimulatorNode:
         kept = given.at("kept")
         given.check()
         compile_once("simulation", rospy.loginfo)
-        self._simulation = _begin(lambda: load_simulation(world, map_file, watchdog, delay, number), kept)
+        self._simulation = load_simulation(world, map_file, watchdog, delay, number)
+        _resume(self._simulation, kept)
         self._kept = PersistedState("~kept", "the world is reset if this node crashes")
         self._unkept, self._keep_at = True, 0.0  # whether the state has to be persisted, and when next
         self._worker = Worker(self._advance)
@@ -276,17 +277,14 @@ class SimulatorNode:
         self._simulation.place(r.robot or names[0], Pose2D(r.x, r.y, r.yaw))
 
 
-def _begin(load: Callable[[], Simulation], kept: Reader) -> Simulation:
-    """Return the world in its persisted state, if there is one, else in its initial state."""
-    simulation = load()
+def _resume(simulation: Simulation, kept: Reader) -> None:
+    """Restore a new world to its persisted state, if there is one that fits."""
     if kept.given:
         try:
             resume_world(simulation, kept)
+            rospy.loginfo("resuming the world from its persisted state, at time 0")
         except WorldError as error:
             rospy.logwarn("the persisted state does not fit this world, which starts from its initial state: %s", error)
-            return load()
-        rospy.loginfo("resuming the world from its persisted state, at time 0")
-    return simulation
 
 
 def _ros_time(seconds: float) -> rospy.Time:
