@@ -71,7 +71,6 @@ class Costmap:
         self.has_marks = False
         self._counts = np.zeros(grid.shape, dtype=np.uint8)
         self.closed = self._unknown.copy()
-        self._has_bars = False
         self.free_spaces = tuple(
             FreeSpace(np.zeros(grid.shape, dtype=np.uint8), (radius + SPARE) / grid.resolution) for radius in radii
         )
@@ -164,18 +163,14 @@ class Costmap:
         window = self._widened((row, row + 1, column, column + 1), math.ceil(BAR_RADIUS / self.resolution))
         rows, columns = np.mgrid[window[0] : window[1], window[2] : window[3]]
         self.closed[rows, columns] |= np.hypot(rows - row, columns - column) * self.resolution <= BAR_RADIUS
-        self._has_bars = True
         self._update_free_spaces(window)
 
     def unbar(self) -> bool:
         """Open all barred areas. Return whether there were any."""
-        if not self._has_bars:
-            return False
-        self._has_bars = False
         barred = np.argwhere(self.closed != self._unknown)
         self.closed[:] = self._unknown
         self._update_free_spaces(_window_of(barred))
-        return True
+        return len(barred) > 0
 
     def costs(self, first: Optional[Pose2D] = None, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
         """Return costs as costmap topics publish them (int8: 100 lethal, 99 inscribed .. 0 free, -1 unknown).
