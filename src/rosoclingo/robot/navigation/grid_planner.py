@@ -12,7 +12,6 @@ from rosoclingo.robot.navigation.compiled.path import least_along
 from rosoclingo.robot.navigation.costmap import SPARE, Costmap, FreeSpace
 from rosoclingo.robot.navigation.geometry import Pose2D
 
-NARROW_WEIGHT = 5.0  # weight of clearance on paths that are narrower than the robot's turning circle
 JOIN_LIMIT = 3.0  # cells: maximum distance of a valid robot position from the nearest open cell
 # Paths keep EXTRA_CLEARANCE (m) and half a cell more than the radius where possible. Cells without it cost EXTRA_COST
 # more.
@@ -160,9 +159,6 @@ class GridPlanner(GlobalPlanner):
         """Return the cost of each cell (float32) per cell length: at least 1, inf where the robot cannot be."""
         comfort = min(self.limits.comfort_distance + costmap.limits.robot_radius, costmap.limits.inflation_radius)
         comfort, weight = max(1.0, comfort / costmap.resolution), self.limits.comfort_weight
-        if space.radius < costmap.free_spaces[0].radius:
-            # In passages too narrow to turn, the path should be straight and centred.
-            comfort, weight = costmap.free_spaces[0].radius, NARROW_WEIGHT
         costs = 1.0 + weight * np.maximum(0.0, 1.0 - costmap.clearance / np.float32(comfort))
         ease = np.float32(EXTRA_CLEARANCE / costmap.resolution + 0.5)
         costs += EXTRA_COST * np.clip((np.float32(space.radius) + ease - costmap.clearance) / ease, 0.0, 1.0)
