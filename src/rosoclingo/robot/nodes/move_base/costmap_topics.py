@@ -56,7 +56,7 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
     costmap if its position has changed or ``send_full`` is set.
 
     ``periods``: publishing periods (s) of the costmap and of the footprint. ``size``: size (m) of the window, None for
-    the whole map.
+    the whole map. ``view`` is what the topics show, None before the first one.
 
     Publishes:
         ~NAME/costmap (nav_msgs/OccupancyGrid), ~NAME/costmap_updates (map_msgs/OccupancyGridUpdate)
@@ -70,7 +70,7 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
         super().__init__()
         self._send_full, self._periods, self._size = send_full, periods, size
         self._corners, self._worker = corners, worker
-        self._view: Optional[CostmapView] = None
+        self.view: Optional[CostmapView] = None
         self._last: Optional[OccupancyGrid] = None
         self._last_frame = ""
         self._shown = [-math.inf, -math.inf]  # times (s) of the last costmap and footprint
@@ -78,13 +78,9 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
         self._updates = prompt_publisher(f"~{name}/costmap_updates", numpy_msg(OccupancyGridUpdate), 2)
         self._outline = prompt_publisher(f"~{name}/footprint", PolygonStamped, 2)
 
-    def update(self, view: Optional[CostmapView]) -> None:
-        """Set the view to publish."""
-        self._view = view
-
     def publish_due(self, now: float) -> None:
         """Publish the costmap and the footprint if they are due at a time (s)."""
-        if self._view is None or self._view.pose is None:
+        if self.view is None or self.view.pose is None:
             return
         if now < max(self._shown):
             self._shown = [-math.inf, -math.inf]
@@ -99,8 +95,8 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
 
     def publish_costs(self) -> None:
         """Publish the changed rectangle, or the full costmap where necessary."""
-        assert self._view is not None
-        grid, last, frame = costs(self._view, self._size), self._last, self._view.frame
+        assert self.view is not None
+        grid, last, frame = costs(self.view, self._size), self._last, self.view.frame
         same_place = last is not None and (grid.shape, *grid[1:], frame) == (last.shape, *last[1:], self._last_frame)
         self._last, self._last_frame = grid, frame
         if last is None or self._send_full or not same_place:
@@ -117,9 +113,9 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
             self._updates.publish(message)
 
     def _publish_footprint(self) -> None:
-        assert self._view is not None
-        pose, message = self._view.in_frame, PolygonStamped()
-        message.header.frame_id, message.header.stamp = self._view.frame, rospy.Time.now()
+        assert self.view is not None
+        pose, message = self.view.in_frame, PolygonStamped()
+        message.header.frame_id, message.header.stamp = self.view.frame, rospy.Time.now()
         message.polygon.points = [Point32(*pose.compose(Pose2D(x, y))[:2], 0.0) for x, y in self._corners.tolist()]
         self._outline.publish(message)
 
@@ -128,5 +124,5 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
         self._worker.put(lambda: self._greet(peer_publish))
 
     def _greet(self, send: Callable[[Any], None]) -> None:
-        if self._view is not None:
-            send(grid_message(costs(self._view, self._size), self._view.frame, rospy.Time.now()))
+        if self.view is not None:
+            send(grid_message(costs(self.view, self._size), self.view.frame, rospy.Time.now()))

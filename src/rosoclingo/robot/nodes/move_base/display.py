@@ -1,7 +1,7 @@
 """Visualisation topics of the move_base node: goals, plans, costmaps, footprints and recoveries."""
 
 import math
-from typing import Any, Callable, Optional
+from typing import Any, Callable
 
 import numpy as np
 import rospy
@@ -47,7 +47,6 @@ class Display:
                           corners, worker)
             for i, (name, size) in enumerate((("global_costmap", None), ("local_costmap", settings.local_size)))
         )  # fmt: skip
-        self._local_view: Optional[CostmapView] = None
 
     def goal(self, pose: Pose2D) -> None:
         """Publish the present goal (m, in the map frame)."""
@@ -71,16 +70,14 @@ class Display:
 
     def new_map(self, costmap: Costmap) -> None:
         """Publish the costmap of a new map, even if the pose of the robot is unknown."""
-        self._local_view = None
-        self._local.update(None)
-        self._global.update(CostmapView(costmap, self._frame, HERE, None))
+        self._local.view = None
+        self._global.view = CostmapView(costmap, self._frame, HERE, None)
         self._global.publish_costs()
 
     def update(self, costmap: Costmap, pose: Pose2D, local_frame: str, local_in_map: Pose2D) -> None:
         """Set the costmap to publish, and the poses of the robot and of the local frame in the map."""
-        self._local_view = CostmapView(costmap, local_frame, local_in_map, pose)
-        self._local.update(self._local_view)
-        self._global.update(CostmapView(costmap, self._frame, HERE, pose))
+        self._local.view = CostmapView(costmap, local_frame, local_in_map, pose)
+        self._global.view = CostmapView(costmap, self._frame, HERE, pose)
 
     def costmaps(self, now: float) -> None:
         """Publish the costmaps and footprints that are due at a time (s)."""
@@ -88,8 +85,9 @@ class Display:
         self._local.publish_due(now)
 
     def _in_local_frame(self, points: np.ndarray, final_yaw: float) -> Path:
-        if self._local_view is None:
+        view = self._local.view
+        if view is None:
             return path_message(points, self._frame, final_yaw)
-        back = self._local_view.frame_in_map.inverse()
+        back = view.frame_in_map.inverse()
         points = np.array([back.compose(Pose2D(x, y))[:2] for x, y in points.tolist()]).reshape(-1, 2)
-        return path_message(points, self._local_view.frame, final_yaw + back.yaw)
+        return path_message(points, view.frame, final_yaw + back.yaw)
