@@ -18,7 +18,7 @@ CURVATURES = np.array(
     [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
 )  # 1/m: candidate arcs of an escape
 ARC_LIMIT = 3.0  # m: maximum length of an escape arc
-ARC_CLEARANCES = (0.005, 0.002, 0.0005)  # m: clearances to try on an escape arc, the widest first
+ARC_CLEARANCE = 0.005  # m: clearance on an escape arc, unless half of the present clearance is less
 ARC_TIME, MIN_SPEED = 0.8, 0.02  # s: slows the robot towards the end of an escape arc; m/s: its minimum speed
 
 
@@ -92,16 +92,16 @@ class BodyState:
     def arc_to_room(self, spare: float, speed: float, before: Optional[float] = None) -> Optional[Velocity]:
         """Return the command along the shortest arc to a pose at which the robot can turn, or None.
 
-        ``speed`` (m/s) is the maximum speed. The previous curvature ``before`` (1/m) is preferred if it still works.
+        ``spare`` (m) is its clearance there, ``speed`` (m/s) the maximum speed. The previous curvature ``before`` (1/m)
+        is preferred if it still works.
         """
         scale = self._scale
         for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
-            for floor in ARC_CLEARANCES:
-                i, length = best_arc(
-                    *self._obstacles, self._shape, self._cells, curvatures / scale, ARC_LIMIT * scale,
-                    (self.body.outer + spare) * scale, floor * scale,
-                )  # fmt: skip
-                if length != 0.0:
-                    linear = math.copysign(min(speed, max(MIN_SPEED, abs(length) / scale / ARC_TIME)), length)
-                    return Velocity(linear, linear * float(curvatures[i]))
+            i, length = best_arc(
+                *self._obstacles, self._shape, self._cells, curvatures / scale, ARC_LIMIT * scale,
+                (self.body.outer + spare) * scale, ARC_CLEARANCE * scale,
+            )  # fmt: skip
+            if length != 0.0:
+                linear = math.copysign(min(speed, max(MIN_SPEED, abs(length) / scale / ARC_TIME)), length)
+                return Velocity(linear, linear * float(curvatures[i]))
         return None

@@ -90,30 +90,24 @@ def best_arc(clearance, occupied, body, pose, curvatures, longest, room, least):
     """Return (index of curvature, signed length) of the shortest arc to a pose with clearance ``room``.
 
     ``pose``: x, y (cells), yaw. ``curvatures``: 1/cell. ``longest``: cells. Along the arc the body keeps the clearance
-    ``least`` (cells), or its present clearance if that is smaller. If no arc reaches ``room``, the result is the arc to
-    the largest clearance; its length is 0.0 if no arc improves the clearance.
+    ``least`` (cells), or half of its present clearance if that is smaller. If no arc reaches ``room``, the result is
+    the arc to the largest clearance; its length is 0.0 if no arc improves the clearance.
     """
     _outline, _radius, outer = body
     now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], 2.0)
-    least = min(least, now - 1e-3)
-    shortest, most = np.inf, point_clearance(clearance, pose[0], pose[1]) + GAIN * room
-    best_i, best_length, more_i, more_length = 0, 0.0, 0, 0.0
+    least = min(least, 0.5 * now, now - 1e-3)
+    most, best_i, best_length = point_clearance(clearance, pose[0], pose[1]) + GAIN * room, 0, 0.0
     for i in range(curvatures.shape[0]):
         for sign in (1.0, -1.0):
             x, y, yaw, done, spare = pose[0], pose[1], pose[2], 0.0, now
-            while done < min(longest, shortest):
+            while done < longest and spare >= least:
                 step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * outer))
                 half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
                 x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
                 yaw, done = yaw + 2.0 * half, done + step
                 spare = body_clearance(clearance, occupied, body, x, y, yaw, 2.0)
-                if spare < least:
-                    break
                 clear = point_clearance(clearance, x, y)
-                if clear >= room:
-                    if done < shortest:
-                        shortest, best_i, best_length = done, i, sign * done
-                    break
-                if clear > most:
-                    most, more_i, more_length = clear, i, sign * done
-    return (best_i, best_length) if best_length != 0.0 else (more_i, more_length)
+                if spare >= least and (clear > most or (clear >= room and done < longest)):
+                    best_i, best_length = i, sign * done
+                    most, longest = (np.inf, done) if clear >= room else (clear, longest)
+    return best_i, best_length
