@@ -6,6 +6,7 @@ import time
 import traceback
 from concurrent import futures
 from contextlib import suppress
+from functools import partial
 from typing import Callable, List, Optional, TypeVar
 
 import rospy
@@ -56,9 +57,9 @@ class Worker:
         """Start with the jobs in the queue."""
         self._thread.start()
 
-    def put(self, job: Job) -> None:
-        """Queue a job; returns immediately, from any thread, and needs no lock that a job can hold."""
-        self._queue.put(job)
+    def put(self, job: Callable[..., object], *arguments: object) -> None:
+        """Queue a job with its arguments; return immediately, from any thread, without any lock that a job can hold."""
+        self._queue.put(partial(job, *arguments) if arguments else job)
 
     def ask(self, work: Callable[[], Answer], timeout: float = 30.0) -> Answer:
         """Run ``work`` on the worker and return its result, for the callback of a service.

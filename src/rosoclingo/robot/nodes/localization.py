@@ -3,6 +3,7 @@
 import contextlib
 import math
 from collections import deque
+from functools import partial
 from typing import Deque, Optional
 
 import rospy
@@ -68,16 +69,16 @@ class FakeLocalizationNode:
         self._worker = Worker(settle=self._settle)
         self._worker.start()
         self._subscribers = (
-            rospy.Subscriber("base_pose_ground_truth", Odometry, self._on_truth, queue_size=10, tcp_nodelay=True),
-            rospy.Subscriber("initialpose", PoseWithCovarianceStamped, self._on_initial_pose),
+            rospy.Subscriber(
+                "base_pose_ground_truth",
+                Odometry,
+                partial(self._worker.put, self._waiting.append),
+                queue_size=10,
+                tcp_nodelay=True,
+            ),
+            rospy.Subscriber("initialpose", PoseWithCovarianceStamped, partial(self._worker.put, self._move_map)),
         )
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
-
-    def _on_truth(self, message: Odometry) -> None:
-        self._worker.put(lambda: self._waiting.append(message))
-
-    def _on_initial_pose(self, message: PoseWithCovarianceStamped) -> None:
-        self._worker.put(lambda: self._move_map(message))
 
     def _move_map(self, message: PoseWithCovarianceStamped) -> None:
         pose, frame = to_pose2d(message.pose.pose), message.header.frame_id.lstrip("/")

@@ -121,7 +121,7 @@ class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
 
     def peer_subscribe(self, _name: str, _publish: Any, peer_publish: Callable[[Any], None]) -> None:
         """Send the full costmap to a new subscriber. Called by rospy, in any thread."""
-        self._worker.put(lambda: self._greet(peer_publish))
+        self._worker.put(self._greet, peer_publish)
 
     def _greet(self, send: Callable[[Any], None]) -> None:
         if self.view is not None:

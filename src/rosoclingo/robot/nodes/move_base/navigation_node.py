@@ -2,6 +2,7 @@
 
 import math
 import traceback
+from functools import partial
 from typing import Any, Optional, Tuple
 
 import numpy as np
@@ -163,27 +164,29 @@ class MoveBaseNode:
         self._planning = PlanningThread(self._planner)
         self._commands = CommandWatch(prompt_publisher("cmd_vel", Twist, 1).publish, self._settings.controller_period)
         self._server = SimpleActionServer("move_base", MoveBaseAction, auto_start=False)
-        self._server.register_goal_callback(lambda: self._worker.put(self._take_goal))
-        self._server.register_preempt_callback(lambda: self._worker.put(self._take_preempt))
+        self._server.register_goal_callback(partial(self._worker.put, self._take_goal))
+        self._server.register_preempt_callback(partial(self._worker.put, self._take_preempt))
         announce_server(self._server.action_server)  # clients wait during compilation
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._subscribers = (
-            rospy.Subscriber(self._settings.map_topic, numpy_msg(OccupancyGridMessage), self._on_map, queue_size=1),
+            rospy.Subscriber(
+                self._settings.map_topic,
+                numpy_msg(OccupancyGridMessage),
+                partial(self._worker.put, self._take_map),
+                queue_size=1,
+            ),
             rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
         )
         self._services = (
             *PlanService(self._worker, self._sensing, self._planning, self._place).services,
             rospy.Service("~clear_costmaps", Empty, self._on_clear),
         )
-        self._worker.put(lambda: compile_once("navigation", rospy.loginfo))
+        self._worker.put(compile_once, "navigation", rospy.loginfo)
         self._worker.start()
         self._commands.start()
         rospy.on_shutdown(self._stop)
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
-
-    def _on_map(self, message: OccupancyGridMessage) -> None:
-        self._worker.put(lambda: self._take_map(message))
 
     def _on_simple_goal(self, message: PoseStamped) -> None:
         goal = MoveBaseActionGoal()

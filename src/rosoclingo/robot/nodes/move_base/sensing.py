@@ -1,6 +1,7 @@
 """Inputs of the move_base node: tf, laser and odometry."""
 
 import math
+from functools import partial
 from typing import Any, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -41,7 +42,6 @@ class Sensing:
     def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
         self._frames = frames
         self.map_frame = frames.map
-        self._worker = worker
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._odom_frame = "odom"
@@ -52,21 +52,22 @@ class Sensing:
         self._since = rospy.get_time()
         self._stamped = 0.0
         self._subscribers = [
-            rospy.Subscriber("odom", Odometry, self._on_odom, queue_size=1, tcp_nodelay=True, buff_size=1 << 17)
+            rospy.Subscriber(
+                "odom",
+                Odometry,
+                partial(worker.put, self._take_odom),
+                queue_size=1,
+                tcp_nodelay=True,
+                buff_size=1 << 17,
+            )
         ]
         if obstacles:
             self._subscribers.append(
                 rospy.Subscriber(
-                    frames.scan_topic, numpy_msg(LaserScan), self._on_scan, queue_size=1, tcp_nodelay=True,
-                    buff_size=1 << 17,
+                    frames.scan_topic, numpy_msg(LaserScan), partial(worker.put, self._take_scan), queue_size=1,
+                    tcp_nodelay=True, buff_size=1 << 17,
                 )
             )  # fmt: skip
-
-    def _on_odom(self, message: Odometry) -> None:
-        self._worker.put(lambda: self._take_odom(message))
-
-    def _on_scan(self, message: LaserScan) -> None:
-        self._worker.put(lambda: self._take_scan(message))
 
     def _take_odom(self, message: Odometry) -> None:
         self._odom_frame = message.header.frame_id.lstrip("/") or self._odom_frame

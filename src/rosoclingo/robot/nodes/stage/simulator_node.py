@@ -1,8 +1,8 @@
 """Simulator node, with the topics of stage_ros."""
 
-import functools
 import sys
 import time
+from functools import partial
 from typing import Any, Callable, Dict, Optional
 
 import rospy
@@ -110,7 +110,7 @@ class SimulatorNode:
         self._clock_message, self._tf_message = Clock(), TFMessage()
         names = tuple(self._simulation.robots)
         self._topics = {
-            name: RobotTopics(self._simulation.robots[name], prefix, self._commander(name))
+            name: RobotTopics(self._simulation.robots[name], prefix, partial(self._worker.put, self._command, name))
             for name, prefix in zip(names, prefixes(names, use_names))
         }
         self._services = self._serve()
@@ -130,9 +130,6 @@ class SimulatorNode:
         self._kept.remove()
 
     # ---- ROS callbacks: they only enqueue -------------------------------------------------------------------------
-
-    def _commander(self, name: str) -> Callable[[float, float], None]:
-        return lambda v, w: self._worker.put(lambda: self._command(name, v, w))
 
     def _serve(self) -> tuple:
         simulation = self._simulation
@@ -242,7 +239,7 @@ class SimulatorNode:
             self._tf_message.transforms = [t for topics in self._topics.values() for t in topics.frames(stamp)]
             self._tf.publish(self._tf_message)
         for name, topics in self._topics.items():
-            topics.publish(stamp, now, functools.partial(self._simulation.scan, name))
+            topics.publish(stamp, now, partial(self._simulation.scan, name))
         self._clock_message.clock = stamp  # last, as in stage_ros, since the clock wakes all nodes
         self._clock.publish(self._clock_message)
 
