@@ -6,8 +6,6 @@ and the radius of the circumscribed circle around the robot's origin.
 
 import math
 
-import numpy as np
-
 from rosoclingo.robot.navigation.compiled.clearance import HALF_DIAGONAL
 from rosoclingo.robot.navigation.compiled.jit import jit
 from rosoclingo.robot.navigation.compiled.outlines import crosses, gap, to_body
@@ -29,21 +27,21 @@ def body_clearance(clearance, occupied, body, x, y, yaw, enough):
     spare = point_clearance(clearance, x, y) - outer
     if spare > enough:
         return spare
-    least, overlaps = wall_gap(occupied, outline, radius, outer + enough, x, y, yaw)
-    return min(least, enough) - overlaps
+    least, overlaps = wall_gap(occupied, outline, radius, outer, enough, x, y, yaw)
+    return least - overlaps
 
 
 @jit
-def wall_gap(occupied, outline, radius, reach, x, y, yaw):
-    """Return the distance of a body from the nearest occupied square, and the number of squares that it overlaps.
+def wall_gap(occupied, outline, radius, outer, enough, x, y, yaw):
+    """Return the distance of a body at a pose from the nearest occupied square, at most ``enough``.
 
-    Squares further than ``reach`` from the pose (x, y, yaw) are ignored.
+    The second result is the number of squares that it overlaps.
     """
     height, width = occupied.shape
-    least, overlaps = np.inf, 0
+    least, overlaps, reach = enough, 0, outer + enough
     for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
         for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
-            if occupied[row, column]:
+            if occupied[row, column] and _square_distance(x, y, column, row) <= outer + max(least, 0.0):
                 away = _square_gap(outline, radius, x, y, yaw, column, row)
                 least = min(least, away)
                 overlaps += away < 0.0

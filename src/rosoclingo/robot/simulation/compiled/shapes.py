@@ -40,7 +40,7 @@ def body_hits(occupied, segments, discs, outline, radius, x, y, yaw):
 
     ``radius`` is that of its circumscribed circle, here and below.
     """
-    if wall_gap(occupied, outline, radius, radius, x, y, yaw)[1]:
+    if wall_gap(occupied, outline, radius, radius, 0.0, x, y, yaw)[1]:
         return HIT_WALL
     for k in range(segments.shape[0]):
         x0, y0 = to_body(x, y, yaw, segments[k, 0], segments[k, 1])
