@@ -41,8 +41,9 @@ def wall_gap(occupied, outline, radius, outer, enough, x, y, yaw):
     least, overlaps, reach = enough, 0, outer + enough
     for row in range(max(0, int(y - reach)), min(height, int(y + reach) + 1)):
         for column in range(max(0, int(x - reach)), min(width, int(x + reach) + 1)):
-            if occupied[row, column] and _square_distance(x, y, column, row) <= outer + max(least, 0.0):
-                away = _square_gap(outline, radius, x, y, yaw, column, row)
+            left, bottom = float(column), float(row)  # numba compiles a function for each type of its arguments
+            if occupied[row, column] and _square_distance(x, y, left, bottom) <= outer + max(least, 0.0):
+                away = _square_gap(outline, radius, x, y, yaw, left, bottom)
                 least = min(least, away)
                 overlaps += away < 0.0
     return least, overlaps
@@ -50,7 +51,7 @@ def wall_gap(occupied, outline, radius, outer, enough, x, y, yaw):
 
 @jit
 def _square_gap(outline, radius, x, y, yaw, column, row):
-    """Return the distance of a body from the square of a cell, negative if they overlap."""
+    """Return the distance of a body from the square of the cell at ``column`` and ``row``, negative if they overlap."""
     if outline.shape[0] == 0:
         return _square_distance(x, y, column, row) - radius
     px, py = to_body(x, y, yaw, column + 0.5, row + 0.5)
