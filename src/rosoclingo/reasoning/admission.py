@@ -26,6 +26,9 @@ MOST_PATIENCE = 8
 #: Goals in the first batch, before a planning time is known.
 FIRST = 8
 
+#: The same if actions can go on: the robots begin soon, and further goals are added while they act.
+FEW = 4
+
 #: The target time for planning with new goals, as a part of the time limit of a search.
 SHARE = 0.6
 
@@ -57,7 +60,8 @@ class Admission(PersistentPart):
         self._live, self._batches = live, batches
         self._limit, self._most = settings.overtaking_limit, settings.goals_at_once
         self._wanted = SHARE * settings.search_timeout
-        self._room = self._first = FIRST if settings.search_timeout else None
+        first = FIRST if batches else FEW
+        self._room = self._first = first if settings.search_timeout else None
         self._growth = FASTER
         self.stuck, self.interrupted = 0, False
 
