@@ -101,7 +101,7 @@ ADMISSION = {
     "goals join once half of it is free": (30, TIMED, """
         plan 6; end 1-3; has 4-8; end 4; has 5-12; plan 6; cancel 13-30; end 5-8; has 9-12; add 40; has 9-12 40"""),
     "each goal joins at once if actions go on": (30, {**TIMED, "batches": False}, """
-        plan 6; end 1-3; has 4-11; end 4; has 5-12"""),
+        has 1-4; plan 1.5; end 1-3; has 4-11; end 4; has 5-12"""),
     "all join once there is a fast plan": (15, TIMED, "plan 0.1; has 1-15"),
     "never more than is set": (5, {"at_once": 3}, """
         put_off 2 3; has 1; plan; has 1 2; plan; end 1; has 2-4; plan; plan; end 2; has 3-5"""),
