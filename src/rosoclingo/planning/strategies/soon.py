@@ -238,12 +238,6 @@ class FirstPlanSearch:
     # ---- Questions ---------------------------------------------------------------------------------------------------
 
     def _trimmed(self, reply: Reply) -> _Asks[Reply]:
-        """Return the plan in ``reply``, trimmed.
-
-        If actions can go on and the program has advice, no robot idles at first, so the plan is trimmed later.
-        """
-        if self._program.actions_go_on and self._program.advises:
-            return reply
         return (yield from trimmed(reply, self._runner, self._runner.step - 1, self._least))
 
     def _ask(
