@@ -63,7 +63,7 @@ def _requests(patterns: Sequence[clingo.Symbol], names: Sequence[clingo.Symbol])
 
 
 def likely_patterns(program: ReactiveProgram, uses: Iterable[Use]) -> List[clingo.Symbol]:
-    """Return patterns with values for as many variables as possible, by the other atoms of their rules."""
+    """Return the patterns with the fewest variables left; the other atoms of a rule give values to its variables."""
     values = ArgumentValues.of(program)
     found = dict.fromkeys(
         one

@@ -293,7 +293,7 @@ class Tours:
         def end_chains(place: Act) -> None:
             """Do the tasks at ``place`` whose chains have no other task left."""
             for task in [one for one in left if self._places[one] == place]:
-                if not {*left, task}.intersection(self.chains[self.chain_of[task]]) - {task}:
+                if set(left).intersection(self.chains[self.chain_of[task]]) == {task}:
                     left.remove(task)
                     acts.append(self._tasks[task])
 
@@ -309,6 +309,4 @@ class Tours:
             if left and self._places[left[0]] == here:
                 acts.append(self._tasks[left.pop(0)])
                 end_chains(here)
-            elif not left and here == ANYWHERE:
-                break
         return acts

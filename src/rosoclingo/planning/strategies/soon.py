@@ -132,9 +132,10 @@ class FirstPlanSearch:
         """
         reply, last = UNKNOWN, max(self._least, plan.horizon)
         for end in range(last, last + LATER + 1):
-            if self._reach(end) and not reply.satisfiable:
-                given = plan.excluding_others(self._runner.actions(self._runner.step, end), LATER)
-                reply = yield from self._ask(self._least, end, CONFLICTS, given)
+            if reply.satisfiable or not self._reach(end):
+                break
+            given = plan.excluding_others(self._runner.actions(self._runner.step, end), LATER)
+            reply = yield from self._ask(self._least, end, CONFLICTS, given)
         return reply
 
     def _reach(self, last: int) -> bool:
