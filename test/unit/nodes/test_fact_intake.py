@@ -10,7 +10,7 @@ def test_fact_intake_announcements_delay_no_return(messages, monkeypatch):
 
     subscriber, core, worker = MagicMock(), Mock(), Mock()
     monkeypatch.setattr(fact_intake.rospy, "Subscriber", subscriber)
-    intake = fact_intake.FactIntake(core, Mock(), worker, Mock(**{"connection_to.return_value": None}))
+    intake = fact_intake.FactIntake(core, Mock(), worker, Mock(listeners=()))
     intake.connect()
 
     def hear(interface, *facts):

@@ -38,14 +38,15 @@ class FactIntake:
 
     Of the announcements of an interface, only the latest waits for the worker: they wake no worker, end no search, and
     delay no facts of their node, however long a search takes. If a node announces an interface over a new connection,
-    but receives actions over the same one as before, its running actions are sent again.
+    its running actions are sent again: their returns can be lost with the former connection. That can lead to a killed
+    core, or rospy closes it because it has connected twice.
     """
 
     def __init__(self, core: Core, register: InterfaceRegister, worker: Worker, actions: CoreTopics) -> None:
         self._core, self._register, self._worker, self._actions = core, register, worker, actions
         self._limit = SenderLimit(MOST_WAITING)
         self._announcements: Dict[Tuple[str, str], _Sent] = {}  # by node and interface
-        self._connections: Dict[Tuple[str, str], Tuple[Any, Any]] = {}  # from and to each node, by node and interface
+        self._connections: Dict[Tuple[str, str], Any] = {}  # from each node, by node and interface
 
     def connect(self) -> None:
         """Subscribe to facts."""
@@ -76,11 +77,9 @@ class FactIntake:
             key, message = self._announcements.popitem()
             self._register.announce(*key)
             self._core.interfaces.announce(message.interface)
-            outward = self._actions.connection_to(message.node)
-            before = self._connections.get(key, (None, None))
-            if len(self._connections) < MOST_ANNOUNCED:
-                self._connections[key] = message.connection, outward
-            if message.connection is not before[0]:
+            known = key in self._connections or len(self._connections) < MOST_ANNOUNCED
+            if known and message.connection is not self._connections.get(key):
+                self._connections[key] = message.connection
                 limit_silence(self._inlet, message.connection)
-                if outward is not None and outward is before[1]:
+                if message.node in self._actions.listeners:
                     self._actions.send_again(message.interface)

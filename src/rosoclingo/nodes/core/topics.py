@@ -1,6 +1,6 @@
 """The publishers of the core: actions for the interfaces, plans and stream updates."""
 
-from typing import Any, Dict, Iterable, List, Set, Tuple
+from typing import Dict, Iterable, List, Set, Tuple
 
 import rospy
 from clingo import Symbol
@@ -39,10 +39,6 @@ class CoreTopics:
     def listeners(self) -> Set[str]:
         """The names of the nodes that subscribe to the actions."""
         return {connection.endpoint_id for connection in self._out.impl.connections}
-
-    def connection_to(self, node: str) -> Any:
-        """Return the connection over which a node receives actions, None if there is none."""
-        return next((one for one in self._out.impl.connections if one.endpoint_id == node), None)
 
     def _greeting(self) -> Tuple[InterfaceIO, ...]:
         return (self._run, *self._running)
