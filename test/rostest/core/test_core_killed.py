@@ -15,7 +15,6 @@ from interface_helpers import (
     heard_log,
     kill,
     process_of,
-    values_of,
     wait_for_diagnosis,
     wait_until,
 )
@@ -90,8 +89,9 @@ class CoreKilled(unittest.TestCase):
         goal, command = self.begin("do(walk,30)")
         self.kill()
         self.assertEqual(self.hands.take(), command, "a new core sends it at once")
+        sent = self.hands.seen.count
         for times in (3, 4):
-            wait_until(lambda n=times: self.hands.tell(origin="walk") or self.hands.seen.count(command) == n, "it again")
+            wait_until(lambda n=times: self.hands.tell(origin="walk") or sent(command) == n, "it again")
             self.hands.renew_publisher()
         self.hands.succeed(command)
         goal.ends_as(GoalStatus.SUCCEEDED)
