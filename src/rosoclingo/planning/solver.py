@@ -106,8 +106,9 @@ class PlanSolver(PlanningSolver):
 
     @property
     def atoms(self) -> int:
-        """The number of atoms in the grounding of the last search, 0 if there is none."""
-        return 0 if self._searched is None else self._searched.grounding.size
+        """The number of atoms in the larger of both groundings in use, 0 if there is none."""
+        runners = self._searched, None if self._probed is None else self._probed.runner
+        return max((one.grounding.size for one in runners if one is not None), default=0)
 
     # ---- Searching ---------------------------------------------------------------------------------------------------
 

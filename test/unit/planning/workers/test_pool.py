@@ -117,10 +117,22 @@ def test_standby_takes_the_place_of_killed_worker():
     assert ended(standby)
 
 
+MANY = "#show.\n#external big/1.\n#cumulative t.\nn(B,X) :- big(B), X = 1..100000, t = 1.\n"
+
+
+@pytest.mark.slow
+def test_worker_with_a_large_hypothetical_grounding_is_kept():
+    with pool_of(MANY, **PLANS, growth=2**22) as pool:
+        solver, big = ProcessSolver(pool), frozenset([parse_atom("big(1)")])
+        fed(solver, "1.")
+        pid = pool.pid
+        solver.inquire(parse_update("#step 2. big(1). #endstep."), big, big)
+        assert pool.pid == pid, "the next question uses its grounding"
+
+
 @pytest.mark.slow
 def test_worker_that_has_grown_without_a_larger_grounding_is_replaced():
-    many = "#show.\n#external big/1.\n#cumulative t.\nn(B,X) :- big(B), X = 1..100000, t = 1.\n"
-    with pool_of(many, **PLANS, growth=2**22) as pool:
+    with pool_of(MANY, **PLANS, growth=2**22) as pool:
         solver, pids = ProcessSolver(pool), []
         log = solver.log
         for text in ("1.", "1.", "1. big(1).", "1. big(1).", "1. big(2).", "1. big(3)."):
