@@ -67,7 +67,7 @@ class Hypotheses:
         planner: Planner,
         impasse: Impasse,
         way: Way,
-        facts: FrozenSet[Symbol],
+        facts: FrozenSet[Symbol] = frozenset(),
         further: Iterable[Symbol] = (),
     ) -> None:
         """Make the ``facts`` of the stream, executed actions, and ``further`` unstated facts assumable."""

@@ -66,7 +66,7 @@ def recover(planner: Planner, impasse: Impasse) -> Optional[Recovery]:
     Raises UndecidedError if this was not decided in time.
     """
     finders = (_Finder(planner, impasse, way) for way in WAYS if impasse.goals)
-    found = first_found(finders, lambda one: one if one.can_have((), impasse.observations) else None)
+    found = first_found(finders, lambda one: one if one.is_possible() else None)
     return None if found is None else found.recover()
 
 
@@ -196,48 +196,60 @@ def _plan_without(planner: Planner, impasse: Impasse, dropped: Collection[Goal],
 
 
 class _Finder:
-    """Finds the fewest goals to drop in one way, and the reasons."""
+    """Finds the fewest goals to drop in one way, and the reasons.
+
+    The questions about goals and those about reasons have different groundings: with assumable observations, all steps
+    since the oldest one are open, and the grounding is several times as large.
+    """
 
     def __init__(self, planner: Planner, impasse: Impasse, way: Way) -> None:
         self._planner, self._impasse, self._way = planner, impasse, way
-        self._hypotheses = Hypotheses(planner, impasse, way, facts_of(impasse.observations))
+        self._about_goals = Hypotheses(planner, impasse, way)
+        self._about_reasons = Hypotheses(planner, impasse, way, facts_of(impasse.observations))
         self._look = impasse.watch()
 
-    def can_have(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """Return whether there is a plan for the goals ``kept`` after ``seen``; raises UndecidedError.
-
-        The plan can have ``steps`` steps, or the usual number if that is larger.
-        """
-        return bool(self._hypotheses.ask(kept, facts_of(seen), steps).satisfiable)
+    def is_possible(self) -> bool:
+        """Return whether there is a plan without goals; raises UndecidedError. This question has no time limit."""
+        return bool(self._about_goals.ask((), frozenset()).satisfiable)
 
     def recover(self) -> Recovery:
         """Drop as few goals as possible; raises UndecidedError."""
-        goals, seen = self._impasse.goals, self._impasse.observations
+        goals = self._impasse.goals
         known: List[Witness[Goal]] = [Witness(True, frozenset()), Witness(False, frozenset(goals))]
-        oracle: Oracle[Goal] = yes_or_no(lambda kept: self._met(kept, seen))
+        oracle: Oracle[Goal] = yes_or_no(self._can_have)
         diagnosis = find_diagnosis(goals, remember(oracle, known))
         if not diagnosis:
             raise UndecidedError
         for mus in diagnosis.values():
             self._confirm(mus)
-        unmet = self._unmet(diagnosis)  # before planning, because this reuses the grounding of the diagnosis
         found = _plan_without(self._planner, self._impasse, diagnosis, self._way)
         if not found.met:
             raise UndecidedError
-        return found._replace(unmet=unmet)
+        return found._replace(unmet=self._unmet(diagnosis))
 
-    def _met(self, kept: Collection[Goal], seen: Collection[Observation], steps: int = 0) -> bool:
-        """Call :meth:`can_have` if there is time left, else raise UndecidedError."""
+    def _can_have(self, kept: Collection[Goal], steps: int = 0) -> bool:
+        """Return whether there is a plan for the goals ``kept``; raises UndecidedError.
+
+        The plan can have ``steps`` steps, or the usual number if that is larger.
+        """
+        self._check_time()
+        return bool(self._about_goals.ask(kept, frozenset(), steps).satisfiable)
+
+    def _met(self, kept: Collection[Goal], seen: Collection[Observation]) -> bool:
+        """Return whether there is a plan for the goals ``kept`` after ``seen``; raises UndecidedError."""
+        self._check_time()
+        return bool(self._about_reasons.ask(kept, facts_of(seen)).satisfiable)
+
+    def _check_time(self) -> None:
         if self._look() is not None:
             raise UndecidedError
-        return self.can_have(kept, seen, steps)
 
     def _confirm(self, mus: Mus[Goal]) -> None:
         """Make sure that goals cannot be met one after the other either; raises UndecidedError if undecided."""
         steps = self._impasse.alone * len(mus.items)
         if mus.minimal and steps <= self._planner.lookahead:
             return
-        if not mus.minimal or self._met(mus.items, self._impasse.observations, steps):
+        if not mus.minimal or self._can_have(mus.items, steps):
             raise UndecidedError
 
     def _unmet(self, diagnosis: Dict[Goal, Mus[Goal]]) -> Tuple[UnmetGoal, ...]:

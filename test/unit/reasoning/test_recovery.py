@@ -59,6 +59,10 @@ RECOVERIES = {
     "reason that is not proven in time is uncertain": (rooms(doors=[("hall", "d"), ("hall", "e")]), halting(1), """
         facts _shut(d) _shut(e); goal a reach(hall,1)
         says a ... perhaps since _shut(d) was reported in cycle 1 and _shut(e) was reported in cycle 1"""),
+    "observation that a goal needs is no reason": (
+        rooms(doors=[("hall", "d"), ("den", "key")], words=":- open(hall,I,t), not _shut(key)."), None, """
+        facts _shut(key) _shut(d) _shut(e); goal a reach(hall,1)
+        says a reach(hall,1) cannot be met since _shut(d) was reported in cycle 1"""),
     "request that contradicts the past is withdrawn": (
         BATTERY + ":- _request(do(jump,I),t+1), _action_lib(walk,J,t-2).\n", None, """
         goal a do(walk,1); finish; goal b do(jump,2); is b aborted; sends #withdraw _request(do(jump,2),4).
@@ -72,6 +76,28 @@ def test_recovery_follows_the_script(row):
     driver = play(Driver(text, **({} if watch is None else {"watch_recovery": watch})), script)
     assert driver.core.live_goals == []
     assert not any("forgets its history" in problem for problem in driver.problems)
+
+
+def test_recovery_decides_about_goals_with_all_other_facts_certain():
+    """Each fact that is not certain makes the grounding larger; the reasons are found after the plan."""
+    asked = []
+
+    class AskedSolver(PlanSolver):
+        def search(self, *arguments, **options):
+            asked.append(None)
+            return super().search(*arguments, **options)
+
+        def inquire(self, update, assumable, *arguments, **options):
+            asked.append(sorted(map(str, assumable)))
+            return super().inquire(update, assumable, *arguments, **options)
+
+    driver = Driver(rooms(clashes=[("hall", "hall")]), solver=AskedSolver).facts("_shut(a)")
+    asked.clear()
+    driver.core.add_goal("1", "reach(den,1)")
+    driver.goal("2", "reach(hall,2)")
+    assert driver.states("2")[-1] == "aborted"
+    about_goals = asked[1 : asked.index(None, 1)]
+    assert {tuple(one) for one in about_goals} == {("_request(cancel(1),3)", "_request(cancel(2),3)")}
 
 
 ROOM_NAMES = ("hall", "den", "attic", "loft")
