@@ -27,7 +27,7 @@ from rosoclingo.reasoning.goals import Goal
 from rosoclingo.reasoning.hypotheses import Hypotheses, Impasse, Way, facts_of, first_found
 from rosoclingo.reasoning.input_feeder import requests_of
 from rosoclingo.reasoning.observations import Observation, UnhandledFailure
-from rosoclingo.reasoning.stream_planner import Planner
+from rosoclingo.reasoning.stream_planner import RECENT, Planner
 
 #: Maximum number of observations that are reported although not all of them may matter.
 FEW = 3
@@ -198,19 +198,21 @@ def _plan_without(planner: Planner, impasse: Impasse, dropped: Collection[Goal],
 class _Finder:
     """Finds the fewest goals to drop in one way, and the reasons.
 
-    The questions about goals and those about reasons have different groundings: with assumable observations, all steps
-    since the oldest one are open, and the grounding is several times as large.
+    Questions about reasons need assumable observations, which leave all later steps open. If there are observations
+    older than RECENT cycles, the questions about goals have a much smaller grounding of their own.
     """
 
     def __init__(self, planner: Planner, impasse: Impasse, way: Way) -> None:
         self._planner, self._impasse, self._way = planner, impasse, way
-        self._about_goals = Hypotheses(planner, impasse, way)
-        self._about_reasons = Hypotheses(planner, impasse, way, facts_of(impasse.observations))
+        self._seen = facts_of(impasse.observations)
+        self._about_reasons = self._about_goals = Hypotheses(planner, impasse, way, self._seen)
+        if any(one.cycle < impasse.step - RECENT for one in impasse.observations):
+            self._about_goals = Hypotheses(planner, impasse, way)
         self._look = impasse.watch()
 
     def is_possible(self) -> bool:
         """Return whether there is a plan without goals; raises UndecidedError. This question has no time limit."""
-        return bool(self._about_goals.ask((), frozenset()).satisfiable)
+        return bool(self._about_goals.ask((), self._seen).satisfiable)
 
     def recover(self) -> Recovery:
         """Drop as few goals as possible; raises UndecidedError."""
@@ -233,7 +235,7 @@ class _Finder:
         The plan can have ``steps`` steps, or the usual number if that is larger.
         """
         self._check_time()
-        return bool(self._about_goals.ask(kept, frozenset(), steps).satisfiable)
+        return bool(self._about_goals.ask(kept, self._seen, steps).satisfiable)
 
     def _met(self, kept: Collection[Goal], seen: Collection[Observation]) -> bool:
         """Return whether there is a plan for the goals ``kept`` after ``seen``; raises UndecidedError."""
