@@ -2,6 +2,7 @@
 
 import copy
 import re
+from functools import partial
 from random import Random
 
 import pytest
@@ -15,6 +16,7 @@ from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
 
@@ -172,13 +174,20 @@ def test_fleet_hands_the_goals_of_a_lost_robot_to_others():
 
 
 def _atoms_after_request(*facts):
-    """Return the numbers of ground atoms after these facts about robots on a grid, and after a further request."""
-    solvers = []
+    """Return the most ground atoms of a plan after these facts about robots on a grid, and after a further request."""
+    sizes = []
+
+    class SizedSolver(PlanSolver):
+        def search(self, *arguments):
+            result = super().search(*arguments)
+            sizes.append(self.atoms)
+            return result
+
     grid = [(one, one + 1) for one in range(1, 12) if one % 4] + [(one, one + 4) for one in range(1, 9)]
-    fleet = Fleet(grid, {"r1": 1, "r2": 4, "r3": 10}, solver=lambda one: solvers.append(soon(one)) or solvers[-1])
+    fleet = Fleet(grid, {"r1": 1, "r2": 4, "r3": 10}, solver=partial(SizedSolver, plan_time=1.0))
     fleet.ask(1, 5, 12).ask(2, 2, 7).end("r2")
     fleet.facts(*facts).ask(3, 3, 9)
-    return max(one.atoms for one in solvers)
+    return max(sizes)
 
 
 @pytest.mark.slow
