@@ -1,6 +1,7 @@
 """The launch arguments that select the real stage_ros, move_base, map_server, or a user's own robot."""
 
 import os
+import shlex
 from pathlib import Path
 
 import pytest
@@ -93,6 +94,11 @@ def node(config, name):
     return next(node for node in config.nodes if node.name == name)
 
 
+def words(config, name):
+    """Return the arguments of a node as roslaunch passes them."""
+    return shlex.split(node(config, name).args)
+
+
 def parameters(config, prefix):
     return {key[len(prefix) :]: value.value for key, value in config.params.items() if key.startswith(prefix)}
 
@@ -179,21 +185,34 @@ def test_launch_unknown_choice_lists_the_known_ones(file, argument):
 
 def test_launch_passes_arguments_to_stage():
     def stage(**more):
-        return node(load("mailbot.launch", sim="stage", stage_world="/a.world", **more), "stageros")
+        return load("mailbot.launch", sim="stage", stage_world="/a.world", **more)
 
-    assert stage(speed="0").args.split() == ["--speed", "0", "/a.world"]
-    assert stage(stage_args="-g").args.split() == ["--speed", "1.0", "-g", "/a.world"]
-    assert stage(stage_window="true", stage_args="").args.split() == ["--speed", "1.0", "--window", "/a.world"]
-    assert not stage().remap_args
+    assert words(stage(speed="0"), "stageros") == ["--speed", "0", "/a.world"]
+    assert words(stage(stage_args="-g"), "stageros") == ["--speed", "1.0", "-g", "/a.world"]
+    assert words(stage(stage_window="true"), "stageros") == ["--speed", "1.0", "--window", "/a.world"]
+    assert not node(stage(), "stageros").remap_args
 
 
 def test_launch_passes_arguments_of_simulation_to_stage():
     given = {"base_watchdog_timeout": "0.5", "use_model_names": "true"}
     config = load("simulation.launch", sim="stage", **given)
-    *words, world = node(config, "stageros").args.split()
-    assert words == ["--speed", "1.0", "-u"]
+    *options, world = words(config, "stageros")
+    assert options == ["--speed", "1.0", "-u"]
     assert Path(world).resolve() == ROOT / "worlds" / "office.world"
     assert parameters(config, "/stageros/") == {"base_watchdog_timeout": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("file", "servers"),
+    [
+        ("mailbot.launch", ["move_base", "pickup", "deliver"]),
+        ("fleet.launch", ["r1/move_base", "r1/pickup", "r1/deliver"]),
+    ],
+)
+def test_launch_plays_a_scenario(file, servers):
+    expected = ["--wait-for", *servers, "--", "paper"]
+    assert words(load(file, scenario="paper"), "play_scenario") == expected
+    assert words(load(file, scenario="paper", record="true"), "play_scenario") == ["--recorder", *expected]
 
 
 def test_launch_delays_the_scans():
@@ -202,9 +221,19 @@ def test_launch_delays_the_scans():
         assert load(file, scan_delay="0.1").params["/simulator/scan_delay"].value == 0.1
 
 
-def test_launch_passes_map_to_map_server():
-    config = load("navigation.launch", map="/some/where.yaml")
-    assert node(config, "map_server").args == "/some/where.yaml"
+@pytest.mark.parametrize(
+    ("file", "argument", "name", "given"),
+    [
+        ("navigation.launch", "map", "map_server", {}),
+        ("navigation.launch", "map", "map_server", {"map_server": "map_server"}),
+        ("mailbot.launch", "scenario", "play_scenario", {}),
+        ("fleet.launch", "scenario", "play_scenario", {}),
+        ("simulation.launch", "stage_world", "stageros", {"sim": "stage"}),
+        ("rviz.launch", "config", "rviz", {}),
+    ],
+)
+def test_launch_passes_a_file_with_blanks(file, argument, name, given):
+    assert "/my work/a file" in words(load(file, **given, **{argument: "/my work/a file"}), name)
 
 
 def test_launch_passes_frames_to_localization():
