@@ -18,14 +18,18 @@ class NewPackageError(ValueError):
 def new_package(name: str, folder: Path, templates: Path, known: Iterable[str] = ()) -> List[Path]:
     """Create the package ``name`` in a folder; return its files, relative to the folder.
 
-    Raises NewPackageError if the name is invalid, belongs to one of the ``known`` packages or exists in the folder, or
-    if the package cannot be written; then all its files are removed.
+    Raises NewPackageError if the name is invalid, belongs to one of the ``known`` packages or exists in the folder, if
+    the folder is inside a package, or if the package cannot be written; then all its files are removed.
     """
     if not _FIT.fullmatch(name):
         raise NewPackageError(
             f"'{name}' is not a valid package name: use 2 to 100 lower-case letters, digits and '_', a letter first"
         )
     package = folder / name
+    if any((above / "package.xml").exists() for above in package.resolve().parents):
+        raise NewPackageError(
+            f"{folder.resolve()} is inside a package, where ROS finds no other one: choose another --folder"
+        )
     if name in known and not package.exists():
         raise NewPackageError(
             f"the package {name} already exists, and roslaunch could find either: choose another name"

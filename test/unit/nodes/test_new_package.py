@@ -41,6 +41,12 @@ def test_new_package_refuses_a_name_in_use(templates, tmp_path):
         new_package("mine", tmp_path, templates, ["mine"])
 
 
+def test_new_package_refuses_a_folder_inside_a_package(templates, tmp_path):
+    new_package("outer", tmp_path, TEMPLATES)
+    with pytest.raises(NewPackageError, match="outer/config is inside a package, where ROS finds no other one"):
+        new_package("inner", tmp_path / "outer" / "config", templates)
+
+
 @pytest.mark.parametrize("name", ["Guard", "x", "../up", "x" * 101])
 def test_new_package_refuses_an_invalid_name(name, templates, tmp_path):
     with pytest.raises(NewPackageError, match="use 2 to 100 lower-case letters, digits"):
