@@ -7,7 +7,10 @@ from typing import Any, Callable, Iterator, Optional, Sequence
 
 from rosoclingo.checking.extension import CheckExtension
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
+from rosoclingo.oclingo.progression.updates import StreamUpdate
 from rosoclingo.oclingo.service import command
+from rosoclingo.oclingo.solving.results import SolveResult
+from rosoclingo.planning.question import Stop
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
 
@@ -28,12 +31,25 @@ def main(
     return command.main(arguments, _solver, add_check)
 
 
+class _Planner(ProcessSolver):
+    """A planner whose answers end with the horizon, as those of the incremental solver do."""
+
+    def __init__(self, pool: WorkerPool, program: ReactiveProgram) -> None:
+        """Create a solver for ``program`` that uses the workers of ``pool``."""
+        super().__init__(pool)
+        self._program = program
+
+    def update(self, update: StreamUpdate, stopped: Optional[Stop] = None) -> SolveResult:
+        """Accept ``update`` and search for answers."""
+        return super().update(update, stopped).until_horizon(self._program)
+
+
 @contextmanager
 def _solver(program: ReactiveProgram, **options: Any) -> Iterator[ProcessSolver]:
     """Run a solver in a forked process."""
     with WorkerPool(program, fork=True, **options) as pool:
         pool.start()
-        yield ProcessSolver(pool)
+        yield _Planner(pool, program) if options["shortest"] else ProcessSolver(pool)
 
 
 if __name__ == "__main__":

@@ -147,7 +147,8 @@ class Trials:
             result = self._solver.update(update, self._clock())
             if result.outcome is SolveOutcome.SATISFIABLE:
                 ignored = (text for text in result.warnings if "has not been declared external" in text)
-                return TrialPlan(name, result.answers[-1], result.horizon, fault=next(ignored, ""))
+                answer = result.until_horizon(self._program).answers[-1]
+                return TrialPlan(name, answer, result.horizon, fault=next(ignored, ""))
             if result.outcome is SolveOutcome.INTERRUPTED:
                 return TrialPlan(name, fault=f"no plan was found in {self._seconds:g} s")
             stream = Stream(before, update, (update.bound or 0))

@@ -76,11 +76,8 @@ def recent_atoms(answer: Answer, step: int, program: ReactiveProgram) -> Answer:
 
     def is_recent(atom: clingo.Symbol) -> bool:
         """Return whether an atom has a recent cycle or none."""
-        function = atom.type is clingo.SymbolType.Function
-        position = program.time_position(atom.name, len(atom.arguments)) if function else None
-        if position is None or atom.arguments[position].type is not clingo.SymbolType.Number:
-            return True
-        return atom.arguments[position].number >= step - SHOWN_STEPS
+        time = program.time_of(atom)
+        return time is None or time >= step - SHOWN_STEPS
 
     return frozenset(filter(is_recent, answer))
 

@@ -111,7 +111,7 @@ class Replay:
 
         """
         self._run, self._plan_time, self._search_time = run, plan_time, search_time
-        self._solver = PlanSolver(program, plan_time=plan_time)
+        self._program, self._solver = program, PlanSolver(program, plan_time=plan_time)
         if run.start is not None:
             self._solver.restore(run.start)
 
@@ -134,7 +134,7 @@ class Replay:
             report = self._judged(cycle, result)
         except SolverError as error:
             return CycleReport(cycle.cycle, CycleVerdict.WRONG, str(error), explained=False)
-        return replace(report, found=_shown(result))
+        return replace(report, found=self._shown(result))
 
     def _begin_with(self, published: Optional[Plan], update: StreamUpdate) -> None:
         """Adopt the published plan, because the core's search can have started from a known plan."""
@@ -157,7 +157,7 @@ class Replay:
                     return CycleReport(number, CycleVerdict.WRONG, self._first_wrong(number, plan), explained=False)
                 shown = answer
         if published.actions == found:
-            report = CycleReport(number, CycleVerdict.SAME, published=_shown(result))
+            report = CycleReport(number, CycleVerdict.SAME, published=self._shown(result))
         else:
             report = replace(self._compared(number, published, result), published=shown)
         return self._sent(cycle, published, report)
@@ -185,7 +185,7 @@ class Replay:
             return CycleReport(number, CycleVerdict.SENT, why, explained=False)
         if not answered or not _actions(result, number):
             verdict = CycleVerdict.SAME if answered else CycleVerdict.NONE
-            return CycleReport(number, verdict, published=_shown(result))
+            return CycleReport(number, verdict, published=self._shown(result))
         idle = None if published is None else self._answer_with(number, published)
         if idle is not None:
             return replace(self._compared(number, Plan(frozenset(), idle.horizon), result), published=idle)
@@ -219,7 +219,7 @@ class Replay:
                 return None
             more = _actions(result, number) - published.actions
             if not more:
-                return _shown(result)
+                return self._shown(result)
             others |= more
 
     def _ask(self, number: int, horizon: int, actions: Actions, others: Actions = frozenset()) -> SolveResult:
@@ -240,16 +240,15 @@ class Replay:
         end = time.process_time() + (self._search_time or math.inf)
         return self._solver.update(update, lambda: time.process_time() >= end)
 
+    def _shown(self, result: SolveResult) -> Optional[Shown]:
+        return Shown(result.until_horizon(self._program).answers[0], result.horizon) if result.answers else None
+
 
 def _actions(result: SolveResult, cycle: int) -> Actions:
     """Return the actions of the answer from a cycle on, none without an answer."""
     if not result.answers:
         return frozenset()
     return Plan.from_atoms(result.answers[0], result.horizon).rest(cycle).actions
-
-
-def _shown(result: SolveResult) -> Optional[Shown]:
-    return Shown(result.answers[0], result.horizon) if result.answers else None
 
 
 def summary(reports: Sequence[CycleReport]) -> List[str]:

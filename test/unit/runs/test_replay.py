@@ -59,6 +59,17 @@ def test_replay_accepts_another_plan_of_equal_length():
     assert [str(atom) for atom in report.found.atoms] == [action]
 
 
+@pytest.mark.slow
+def test_replay_answers_end_with_the_horizon():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office1,office2,1)").finish()
+    report = first(recorded(driver.journal), driver.program)
+    places = {str(atom) for atom in report.published.atoms if atom.match("robot_at", 2)}
+    assert (report.published.horizon, places) == (
+        3,
+        {"robot_at(office1,1)", "robot_at(office1,2)", "robot_at(office2,3)"},
+    )
+
+
 @pytest.mark.parametrize(("plan_time", "explained"), [(1.0, True), (None, False)])
 def test_replay_reports_a_longer_plan(plan_time, explained):
     program, run, action = pressed()

@@ -103,6 +103,14 @@ class ReactiveProgram(LoadedProgram):
             return arity - 1
         return found
 
+    def time_of(self, atom: clingo.Symbol) -> Optional[int]:
+        """Return the cycle of an atom or shown term, None if it has none."""
+        if atom.type is not clingo.SymbolType.Function:
+            return None
+        position = self.time_position(atom.name, len(atom.arguments))
+        time = None if position is None else atom.arguments[position]
+        return time.number if time is not None and time.type is clingo.SymbolType.Number else None
+
     @cached_property
     def _time_positions(self) -> Dict[Signature, int]:
         return time_positions(self.parts, self.values)

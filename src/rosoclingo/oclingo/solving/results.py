@@ -2,7 +2,7 @@
 
 import re
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Dict, FrozenSet, Iterable, Iterator, Tuple
 
@@ -67,6 +67,16 @@ class SolveResult:
     statistics: Dict[str, float] = field(default_factory=dict, compare=False)
     shortest: bool = False
     predicted: FrozenSet[clingo.Symbol] = frozenset()
+
+    def until_horizon(self, program: ReactiveProgram) -> "SolveResult":
+        """Return the result without the atoms of later steps, which a planner grounds although no plan needs them."""
+
+        def is_in_time(atom: clingo.Symbol) -> bool:
+            """Return whether an atom has a cycle up to the horizon or none."""
+            time = program.time_of(atom)
+            return time is None or time <= self.horizon
+
+        return replace(self, answers=tuple(frozenset(filter(is_in_time, answer)) for answer in self.answers))
 
 
 @contextmanager

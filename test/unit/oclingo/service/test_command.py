@@ -284,6 +284,15 @@ def test_plan_time_limits_the_proof_of_shortness(files, capsys):
     assert found[0]["horizon"] == found[2]["horizon"] <= found[1]["horizon"]
 
 
+@pytest.mark.slow
+def test_shortest_answers_end_with_the_horizon(files, capsys):
+    blocks = PAGE.read_text(encoding="utf-8").split("```\n")
+    (files / "lift.lp").write_text(blocks[1], encoding="utf-8")
+    (files / "calls.str").write_text(blocks[3], encoding="utf-8")
+    words = ["lift.lp", "--stream", "calls.str"]
+    assert play(capsys, *words, "--shortest") == play(capsys, *words)
+
+
 def test_service_page_documents_all_command_options(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
