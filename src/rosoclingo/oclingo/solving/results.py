@@ -72,9 +72,9 @@ class SolveResult:
         """Return the result without the atoms of later steps, which a planner grounds although no plan needs them."""
 
         def is_in_time(atom: clingo.Symbol) -> bool:
-            """Return whether an atom has a cycle up to the horizon or none."""
+            """Return whether an atom has a cycle up to the horizon or none, or is a fact of the stream."""
             time = program.time_of(atom)
-            return time is None or time <= self.horizon
+            return time is None or time <= self.horizon or program.is_open_signature(atom)
 
         return replace(self, answers=tuple(frozenset(filter(is_in_time, answer)) for answer in self.answers))
 
