@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from planning_domains import RuleError
 from shipped import ENCODINGS
 
-from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.oclingo.program.sources import Source
+from rosoclingo.planning.grounding import FOLLOWING
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.reasoning.events import ActionsDispatched
 from rosoclingo.reasoning.settings import CoreSettings
@@ -194,6 +195,21 @@ def _atoms_after_request(*facts):
 def test_fleet_plans_with_lost_robots_are_not_much_larger():
     """The paths around a lost robot are computed once, from the known state, not for each possible one."""
     assert _atoms_after_request("_lost(r3,now)") < 2 * _atoms_after_request()
+
+
+def _steps(atoms, name):
+    """Return the steps of the atoms with this name."""
+    return [one.arguments[-1].number for one in atoms if one.name == name]
+
+
+@pytest.mark.slow
+def test_fleet_expects_drives_to_end_after_the_next_steps():
+    """Robots can be between two places only in the steps in which actions can go on, so later steps are smaller."""
+    solver = soon(program([(one, one + 1) for one in range(1, 9)], {"r1": 1, "r2": 4}))
+    update = parse_update("#step 1 : 40. _request(goal(office9,office1,1),2). #endstep.")
+    solver.inquire(update, frozenset(), frozenset())
+    driving, placed = (max(_steps(solver.probed_atoms(), name)) for name in ("_toward", "at"))
+    assert driving == 1 + FOLLOWING < placed
 
 
 @pytest.mark.slow
