@@ -214,7 +214,7 @@ class Replay:
         others: Actions = frozenset()
         self._solver.restore(self._solver.log.adopt(published))
         while True:
-            result = self._ask(number, published.horizon, published.actions, others)
+            result = self._ask(number, published.horizon, published.actions, others, limited=False)  # all is fixed
             if result.outcome is not SolveOutcome.SATISFIABLE:
                 return None
             more = _actions(result, number) - published.actions
@@ -222,22 +222,27 @@ class Replay:
                 return self._shown(result)
             others |= more
 
-    def _ask(self, number: int, horizon: int, actions: Actions, others: Actions = frozenset()) -> SolveResult:
+    def _ask(
+        self, number: int, horizon: int, actions: Actions, others: Actions = frozenset(), limited: bool = True
+    ) -> SolveResult:
         """Search for an answer with some actions, and without ``others``."""
         required = [commitment(action) for action in sorted(actions)]
         excluded = [Statement(None, (Literal(action),)) for action in sorted(others)]
-        return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *required, *excluded)))
+        return self._search(StreamUpdate(number, max(0, horizon - number), (Volatile(), *required, *excluded)), limited)
 
     def _first_wrong(self, number: int, published: Plan) -> str:
         """Return a text about the first action of the published plan that no plan can contain."""
         ordered = sorted(published.actions, key=lambda action: (cycle_of(action), str(action)))
         for count in range(1, len(ordered) + 1):
-            if not self._ask(number, published.horizon, frozenset(ordered[:count])).answers:
+            found = self._ask(number, published.horizon, frozenset(ordered[:count]))
+            if found.outcome is SolveOutcome.INTERRUPTED:
+                return "which of its actions is wrong was not found in time"
+            if not found.answers:
                 return f"none has {ordered[count - 1]}" + (" after the actions before it" if count > 1 else "")
         return "it is incomplete: each plan with its actions has further actions"
 
-    def _search(self, update: StreamUpdate) -> SolveResult:
-        end = time.process_time() + (self._search_time or math.inf)
+    def _search(self, update: StreamUpdate, limited: bool = True) -> SolveResult:
+        end = time.process_time() + (self._search_time if limited and self._search_time else math.inf)
         return self._solver.update(update, lambda: time.process_time() >= end)
 
     def _shown(self, result: SolveResult) -> Optional[Shown]:

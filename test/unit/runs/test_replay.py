@@ -59,6 +59,14 @@ def test_replay_accepts_another_plan_of_equal_length():
     assert [str(atom) for atom in report.found.atoms] == [action]
 
 
+def test_replay_checks_a_plan_that_it_does_not_find_in_time():
+    driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office1,office2,1)").finish()
+    reports = [*Replay(recorded(driver.journal), driver.program, 1.0, search_time=1e-9).reports()]
+    assert reports[0].verdict is CycleVerdict.SHORTER
+    assert len(reports) > 2
+    assert all(one.explained for one in reports), [one.line() for one in reports]
+
+
 @pytest.mark.slow
 def test_replay_answers_end_with_the_horizon():
     driver = Driver.of_shipped("mailbot.lp", "office.lp").goal("key", "goal(office1,office2,1)").finish()
