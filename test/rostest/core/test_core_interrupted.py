@@ -32,7 +32,7 @@ def core(namespace, **parameters):
     with tempfile.NamedTemporaryFile("w", suffix=".lp") as file:
         file.write(Path(ERRANDS).read_text() + ENDLESS)
         file.flush()
-        given = {"action_timeout": 1, **parameters, "program_files": f"[{file.name}]"}
+        given = {"action_timeout": 0.2, **parameters, "program_files": f"[{file.name}]"}
         with start_core(namespace, **given) as process:
             yield process
 
@@ -61,11 +61,11 @@ def worked(node):
 
 @contextmanager
 def kept_busy(node):
-    """Wait until a child has used more time than its start takes, so that it is not another standby."""
+    """Wait until a child has used more time than its start and the improvement of a plan during an action take."""
     before = worked(node)
     yield
     wait_until(
-        lambda: any(seconds > before.get(pid, 0.0) + 0.8 for pid, seconds in worked(node).items()),
+        lambda: any(seconds > before.get(pid, 0.0) + 1.5 for pid, seconds in worked(node).items()),
         "the solver to be at work",
     )
 
