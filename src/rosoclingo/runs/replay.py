@@ -214,7 +214,7 @@ class Replay:
         others: Actions = frozenset()
         self._solver.restore(self._solver.log.adopt(published))
         while True:
-            result = self._ask(number, published.horizon, published.actions, others, limited=False)  # all is fixed
+            result = self._ask(number, published.horizon, published.actions, others, limited=False)  # actions are fixed
             if result.outcome is not SolveOutcome.SATISFIABLE:
                 return None
             more = _actions(result, number) - published.actions
