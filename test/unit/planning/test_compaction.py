@@ -17,6 +17,7 @@ from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Stat
 from rosoclingo.planning import grounding
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
 
 pytestmark = pytest.mark.usefixtures("compacts_at_once")
@@ -205,13 +206,14 @@ def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block,
     solver = walk(PlanSolver(CORRIDOR_PROGRAM, models=0), places, facts, bound=2)
     snapshot, found = replace(solver.snapshot, keep_from=over), []
     assumable = frozenset(snapshot.permanent_facts())
-    for closed, assumed in (
-        (None, frozenset()),
-        (Grounding._ground_closed, frozenset()),
-        (Grounding._ground_closed, assumable),
+    together = Snapshot.closed_until
+    for closed_until, assumed in (
+        (lambda self, first: first - 1, frozenset()),
+        (together, frozenset()),
+        (together, assumable),
     ):
         with mock.patch.object(grounding, "CLOSED_PIECE", block):
-            with mock.patch.object(Grounding, "_ground_closed", closed or (lambda self, horizon: None)):
+            with mock.patch.object(Snapshot, "closed_until", closed_until):
                 one = Grounding(CORRIDOR_PROGRAM, snapshot, snapshot.horizon, assumed)
         for last in (snapshot.horizon, snapshot.horizon + 1):
             if last > one.horizon:
