@@ -115,11 +115,13 @@ class AcceptedUpdate:
     Attributes:
         update: the update, None for a search without one.
         horizon: the horizon of the answer; without an answer, the last grounded step.
+        answered: whether an answer is known. Otherwise, a later update can withdraw facts of past steps.
 
     """
 
     update: Optional[StreamUpdate]
     horizon: int
+    answered: bool = False
 
 
 @dataclass(frozen=True)
@@ -149,11 +151,12 @@ class History:
         step: k, the step of the last update.
         horizon: N, the horizon at which the next search begins.
         keep_from: the first step that is not over.
+        answered: whether an answer to the last update is known.
         plan: the plan in force, None for none.
 
     """
 
-    __slots__ = ("_key", "_snapshot", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
+    __slots__ = ("_key", "_snapshot", "answered", "before", "entry", "horizon", "keep_from", "length", "plan", "step")
 
     def __init__(self, before: Optional["History"] = None, entry: Optional[Entry] = None) -> None:
         """Append ``entry`` to the history ``before``; without arguments the history is empty."""
@@ -164,6 +167,7 @@ class History:
         self.step: int = 1 if before is None else before.step
         self.horizon: int = 1 if before is None else before.horizon
         self.keep_from: int = 0 if before is None else before.keep_from
+        self.answered: bool = before is not None and before.answered
         self.plan: Optional[Plan] = None if before is None else before.plan
         if isinstance(entry, AcceptedUpdate):
             self._advance(entry)
@@ -176,7 +180,7 @@ class History:
                 before._path()[0].before = None  # release all entries before the last checkpoint but one
 
     def _advance(self, entry: AcceptedUpdate) -> None:
-        self.horizon = entry.horizon
+        self.horizon, self.answered = entry.horizon, entry.answered
         if entry.update is not None:
             if Reset() in entry.update.items:
                 self.step, self.keep_from = 1, 0
@@ -294,7 +298,7 @@ def entry_to_message(entry: Entry) -> Message:
     """Return ``entry`` as a plain value for JSON."""
     if isinstance(entry, AcceptedUpdate):
         text = None if entry.update is None else str(entry.update)
-        return {"do": "update", "update": text, "horizon": entry.horizon}
+        return {"do": "update", "update": text, "horizon": entry.horizon, "answered": entry.answered}
     if isinstance(entry, AdoptedPlan):
         actions, horizon, shortest = entry.plan
         return {"do": "adopt", "actions": symbols_to_text(sorted(actions)), "horizon": horizon, "shortest": shortest}
@@ -306,7 +310,8 @@ def entry_from_message(message: Message) -> Entry:
     do = message["do"]
     if do == "update":
         text = message["update"]
-        return AcceptedUpdate(None if text is None else parse_update(text), message["horizon"])
+        update = None if text is None else parse_update(text)
+        return AcceptedUpdate(update, message["horizon"], message.get("answered", False))
     if do == "adopt":
         return AdoptedPlan(Plan(symbols_from_text(message["actions"]), message["horizon"], message["shortest"]))
     return Checkpoint(message["snapshot"])

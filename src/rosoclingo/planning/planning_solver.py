@@ -12,8 +12,8 @@ from rosoclingo.planning.history import AcceptedUpdate, History, Plan
 from rosoclingo.planning.prediction import is_predicted
 from rosoclingo.planning.question import Reply, Stop, never
 
-LONG_PREDICTED = 20
-"""Number of predicted updates after which a checkpoint is worthwhile, because every reader has to fold them."""
+LONG = 20
+"""Number of updates after which a checkpoint is worthwhile, because every reader has to fold them."""
 
 
 class PlanningSolver(ABC):
@@ -73,8 +73,8 @@ class PlanningSolver(ABC):
         return None
 
     def compact(self, stopped: Optional[Stop] = None) -> None:
-        """Append a checkpoint if many predicted updates followed the last one, unless stopped."""
-        if self.log.length > LONG_PREDICTED and self._known_answer is not None:
+        """Append a checkpoint if many updates followed the last one, unless stopped. Call it while the robot acts."""
+        if self.log.length > LONG and self._known_answer is not None:
             self.checkpoint(stopped or never)
 
     def checkpoint(self, stopped: Stop = never) -> None:  # noqa: B027 optional
@@ -128,7 +128,7 @@ class PlanningSolver(ABC):
         for update in updates:
             if not is_predicted(plan, answer.predicted, log.step, update):
                 return None
-            log = log.with_entries(AcceptedUpdate(update, log.horizon))
+            log = log.with_entries(AcceptedUpdate(update, log.horizon, answered=True))
         return log
 
     def _accept_predicted(self, update: StreamUpdate) -> Optional[SolveResult]:

@@ -40,8 +40,8 @@ LEAST_STEPS = 16
 MANY_STEPS = 64
 """Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
 
-LONG = 10
-"""Number of updates after which a checkpoint follows a search."""
+LOG_LIMIT = 40
+"""Number of updates after which a checkpoint follows a search; it comes earlier if the robot acts meanwhile."""
 
 _OUTCOMES = {
     True: SolveOutcome.SATISFIABLE,
@@ -70,7 +70,7 @@ class PlanSolver(PlanningSolver):
         program: ReactiveProgram,
         models: int = 1,
         horizon_limit: Optional[int] = None,
-        log_limit: int = LONG,
+        log_limit: int = LOG_LIMIT,
         plan_time: Optional[float] = None,
         idles: Optional[bool] = None,
     ) -> None:
@@ -133,11 +133,11 @@ class PlanSolver(PlanningSolver):
         spent.update(solve=runner.seconds, ground=time.perf_counter() - start - runner.seconds)
         warnings = () if update is None else update.warnings
         result = self._result(runner, reply, proven, warnings, spent)
-        self.log = self.log.with_entries(AcceptedUpdate(update, result.horizon if result.answers else runner.horizon))
+        answered = bool(result.answers)
+        horizon = result.horizon if answered else runner.horizon
+        self.log = self.log.with_entries(AcceptedUpdate(update, horizon, answered))
         runner.snapshot, self._searched = self.snapshot, runner
         self._adopt(result)
-        if not result.answers:
-            self._checked_until = end_of_past(self.program, self.snapshot)  # a later update can correct these steps
         if self._steps_to_check >= MANY_STEPS:
             with suppress(StoppedError):
                 self.checkpoint(stopped)
@@ -326,6 +326,6 @@ class PlanSolver(PlanningSolver):
 
     @property
     def _steps_to_check(self) -> int:
-        """The number of past grounded steps that were not checked for compaction."""
+        """The number of past grounded steps that can be compacted and were not checked for that."""
         first = max(first_open(self.program, self.snapshot), self._checked_until)
-        return end_of_past(self.program, self.snapshot) - first
+        return end_of_past(self.program, self.snapshot) - first if self.log.answered else 0

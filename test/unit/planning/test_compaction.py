@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 from plain_walk import LINE, next_update
 from random_streams import PARTS, UPDATES, without_undeclared
 from stream_logs import copied
-from stream_play import atoms, planner_of, play
+from stream_play import atoms, compacting, planner_of, play
 from workloads import sized
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_atom, parse_update
 from rosoclingo.oclingo.progression.updates import Expire, Forget, Literal, Statement
 from rosoclingo.planning import grounding
+from rosoclingo.planning import solver as solver_module
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.question import Question
 from rosoclingo.planning.snapshot import Snapshot
@@ -229,3 +230,30 @@ def test_past_of_a_robot_is_compacted_up_to_the_steps_that_are_over():
     for cycle in range(1, 10):
         assert solver.search(next_update(solver, further=[Expire(cycle)]), lambda: False).answers
         assert cycle < 3 or first(solver) == cycle
+
+
+@pytest.mark.slow
+def test_updates_without_a_plan_do_not_delay_compaction():
+    """The solver goes back and drops them, as a core does."""
+    solver = PlanSolver(CORRIDOR_PROGRAM, plan_time=0.0)
+    solver.update(parse_update("#step 1 : 20. _request(9,2). _request(1,2). #endstep."))
+    with compacting(3):
+        for cycle in range(1, 20):
+            log, update = solver.log, next_update(solver, further=[Expire(cycle)])
+            hopeless = next_update(solver, f"_request(99,{cycle + 1})", further=[Expire(cycle)])
+            assert solver.search(hopeless, lambda: False).outcome is SolveOutcome.UNSATISFIABLE
+            solver.restore(log)
+            assert solver.search(update, lambda: False).answers
+            assert cycle < 6 or first(solver) > cycle - 3
+
+
+@pytest.mark.slow
+def test_past_is_compacted_while_the_robot_acts():
+    """This does not require that updates are predicted."""
+    solver = PlanSolver(CORRIDOR_PROGRAM, plan_time=0.0)
+    solver.update(parse_update("#step 1 : 20. _request(9,2). _request(1,2). #endstep."))
+    with mock.patch.object(solver_module, "MANY_STEPS", 1000):
+        for cycle in range(1, 31):
+            assert solver.search(next_update(solver, further=[Expire(cycle)]), lambda: False).answers
+            solver.compact()
+    assert first(solver) > 10
