@@ -15,7 +15,6 @@ from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 from waiting import PATIENCE
 
-from rosoclingo.nodes.pages.access import Access
 from rosoclingo.nodes.pages.page_server import PageServer
 
 WEB = Path(__file__).resolve().parents[2] / "web"
@@ -34,7 +33,7 @@ class Served:
         listener.listen()
         listener.setblocking(False)
         self.port = listener.getsockname()[1]
-        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, Access(token), [listener], take)
+        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, token, [listener], take)
         self.server.start()
 
     @property

@@ -1,8 +1,11 @@
 """The live page's server, in its own thread: the page, and a WebSocket that sends the changes of a run."""
 
 import asyncio
+import hashlib
+import hmac
 import json
 import logging
+import re
 import socket
 import threading
 import time
@@ -13,11 +16,11 @@ from pathlib import Path
 from typing import Any, Callable, Deque, Dict, Optional, Sequence, Set
 
 from tornado.httpserver import HTTPServer
-from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.ioloop import PeriodicCallback
+from tornado.platform.asyncio import AsyncIOLoop
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from rosoclingo.nodes.pages.access import Access
 from rosoclingo.nodes.pages.order_desk import Answer, Taken
 from rosoclingo.runs.report_page import live_page, report_page
 from rosoclingo.runs.run_view import RunView
@@ -36,11 +39,19 @@ SILENCE = 30
 
 COOKIE = "rosoclingo"
 
-#: What the page can connect to on a host, and who can show it, besides the policy of the page itself.
-POLICY = "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+#: Host names of this machine, and a ``Host`` header.
+LOCAL = frozenset({"127.0.0.1", "localhost", "::1"})
+_HOST = re.compile(r"(\[[0-9a-f:.]+\]|[\w.-]+)(:\d{1,5})?\Z", re.ASCII | re.IGNORECASE)
 
-#: Types of the number of a message, which its answer repeats.
-_NUMBERS = (int, type(None))
+#: The headers of a page, and what it can connect to on a host, besides the policy of the page itself.
+HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+}
+POLICY = "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 
 
 class PageServer:
@@ -49,6 +60,9 @@ class PageServer:
     ``look`` is called before each check for changes and returns further data for the page; ``view`` returns the view,
     which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers, or returns a function that
     waits for the answer in a thread of its own.
+
+    Viewers need the ``token``. It is empty for a page on this machine only. Then the page accepts only this machine's
+    host names, so that no page of another site can reach it through its own host name.
     """
 
     def __init__(
@@ -56,30 +70,27 @@ class PageServer:
         view: Callable[[], RunView],
         look: Callable[[], Dict[str, Any]],
         web: Path,
-        access: Access,
+        token: str,
         sockets: Sequence[socket.socket],
         take: Callable[[Dict[str, Any]], Taken],
     ) -> None:
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
-        self.access = access
+        self.proof = _proof(token) if token else ""  # a browser stores it in place of the token
         self.viewers: Set[_Viewer] = set()
         self._view, self._look, self._web, self.take = view, look, web, take
         self.page, policy = live_page(web)
         self.policy = f"{policy}; {POLICY}"
         self._sockets = list(sockets)
-        self._loop: Optional[IOLoop] = None
-        self._ready = threading.Event()
+        self._loop = AsyncIOLoop(make_current=False)
         self._thread = threading.Thread(target=self._serve, name="pages", daemon=True)
 
     def start(self) -> None:
         """Start to serve."""
         self._thread.start()
-        self._ready.wait()
 
     def put(self, job: Callable[[], object]) -> None:
         """Queue a job for the server's thread, from any thread."""
-        if self._loop is not None:
-            self._loop.add_callback(job)
+        self._loop.add_callback(job)
 
     def wait_for(self, job: Callable[[], Answer], then: Callable[[Answer], object]) -> None:
         """Call a function in a thread of its own, and then another one with its result in the server's thread."""
@@ -91,19 +102,23 @@ class PageServer:
 
     def stop(self, timeout: float = 2.0) -> None:
         """Stop the server, and wait for its thread."""
-        self.put(lambda: self._loop.stop() if self._loop is not None else None)
+        self.put(self._loop.stop)
         self._thread.join(timeout)
 
     def _serve(self) -> None:
-        asyncio.set_event_loop(asyncio.new_event_loop())
-        self._loop = IOLoop.current()
-        server = HTTPServer(
-            self._application(), max_header_size=16384, max_body_size=MOST_BYTES, idle_connection_timeout=60
+        asyncio.set_event_loop(self._loop.asyncio_loop)
+        application = Application(
+            [
+                (path, kind, {"server": self})
+                for path, kind in (("/", _Page), ("/report.html", _Report), ("/run", _Viewer))
+            ],
+            websocket_max_message_size=MOST_BYTES,
+            websocket_ping_interval=SILENCE,
         )
+        server = HTTPServer(application, max_header_size=16384, max_body_size=MOST_BYTES, idle_connection_timeout=60)
         server.add_sockets(self._sockets)
         ticks = PeriodicCallback(self._tick, 1000 * PERIOD)
         ticks.start()
-        self._loop.add_callback(self._ready.set)
         self._loop.start()
         ticks.stop()
         server.stop()
@@ -120,15 +135,6 @@ class PageServer:
             task.cancel()
         await asyncio.gather(*waiting, return_exceptions=True)
 
-    def _application(self) -> Application:
-        handlers = {"/": _Page, "/report.html": _Report, "/run": _Viewer}
-        return Application(
-            [(path, handler, {"server": self}) for path, handler in handlers.items()],
-            websocket_max_message_size=MOST_BYTES,
-            websocket_ping_interval=SILENCE,
-            default_handler_class=_Nothing,
-        )
-
     def _tick(self) -> None:
         """Send each viewer its changes; skip viewers that have not received the previous message yet."""
         extra = self._look()  # first, as it can replace the view
@@ -137,17 +143,23 @@ class PageServer:
             viewer.send_news(view, extra)
 
 
-def _check(handler: RequestHandler, server: PageServer) -> None:
-    """Raise HTTPError for a request without access."""
-    host = handler.request.host
-    if not server.access.accepts_host(host):
-        raise HTTPError(403, reason="Wrong host name")
-    if not server.access.is_proof(handler.get_cookie(COOKIE, "") or ""):
-        raise HTTPError(403, reason="Token needed: open the address in the node's log")
+class _Handler(RequestHandler):
+    """Handles requests for this host, with errors in plain text."""
 
+    def initialize(self, server: PageServer) -> None:
+        """Set the server."""
+        self._server = server
 
-class _PlainErrors(RequestHandler):
-    """Answers with errors in plain text."""
+    def prepare(self) -> None:
+        """Refuse other host names."""
+        host = _HOST.match(self.request.host)
+        if host is None or not (self._server.proof or host.group(1).strip("[]").lower() in LOCAL):
+            raise HTTPError(403, reason="Wrong host name")
+
+    def check_token(self) -> None:
+        """Refuse requests of browsers that have not opened the page with the token."""
+        if self._server.proof and not _equal(self.get_cookie(COOKIE, "") or "", self._server.proof):
+            raise HTTPError(403, reason="Token needed: open the address in the node's log")
 
     def write_error(self, status_code: int, **_more: Any) -> None:
         """Answer with an error."""
@@ -155,29 +167,15 @@ class _PlainErrors(RequestHandler):
         self.finish(f"{status_code} {self._reason}\n")
 
 
-class _Nothing(_PlainErrors):
-    """A path that does not exist."""
-
-    def prepare(self) -> None:
-        """Answer that the path does not exist."""
-        raise HTTPError(404)
-
-
-class _Page(_PlainErrors):
+class _Page(_Handler):
     """The live page. A token in its address becomes a cookie."""
-
-    def initialize(self, server: PageServer) -> None:
-        """Set the server."""
-        self._server = server
 
     def prepare(self) -> None:
         """Set the headers."""
-        self.set_header("Content-Security-Policy", self._server.policy.format(host=_plain(self.request.host)))
-        self.set_header("Content-Type", "text/html; charset=utf-8")
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.set_header("X-Frame-Options", "DENY")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("Cache-Control", "no-store")
+        super().prepare()
+        self.set_header("Content-Security-Policy", self._server.policy.format(host=self.request.host))
+        for name, value in HEADERS.items():
+            self.set_header(name, value)
 
     def get(self) -> None:
         """Answer with the page."""
@@ -185,11 +183,11 @@ class _Page(_PlainErrors):
             token = self.get_query_argument("token", None)
         except HTTPError:
             raise HTTPError(400, reason="The token is not UTF-8") from None
-        if token is not None and self._server.access.is_token(token):
-            self.set_cookie(COOKIE, self._server.access.proof, httponly=True, samesite="Lax")
+        if token is not None and _equal(_proof(token), self._server.proof):
+            self.set_cookie(COOKIE, self._server.proof, httponly=True, samesite="Lax")
             self.redirect("/")
             return
-        _check(self, self._server)
+        self.check_token()
         self.finish(self._server.page)
 
 
@@ -198,17 +196,17 @@ class _Report(_Page):
 
     def get(self) -> None:
         """Answer with the report."""
-        _check(self, self._server)
+        self.check_token()
         self.set_header("Content-Disposition", 'attachment; filename="run.html"')
         self.finish(self._server.report())
 
 
-class _Viewer(_PlainErrors, WebSocketHandler):
+class _Viewer(_Handler, WebSocketHandler):
     """The connection of a viewer."""
 
     def initialize(self, server: PageServer) -> None:
         """Set the server."""
-        self._server = server
+        super().initialize(server)
         self._busy = False
         self._received: Deque[float] = deque(maxlen=MOST_MESSAGES)  # times of messages
         self._view: Optional[RunView] = None  # the view that the viewer has
@@ -223,7 +221,8 @@ class _Viewer(_PlainErrors, WebSocketHandler):
 
     def prepare(self) -> None:
         """Refuse requests without access, and viewers above the limit."""
-        _check(self, self._server)
+        super().prepare()
+        self.check_token()
         if "Origin" not in self.request.headers:
             raise HTTPError(403, reason="Not a page of this server")
         if len(self._server.viewers) >= MOST_VIEWERS:
@@ -241,12 +240,14 @@ class _Viewer(_PlainErrors, WebSocketHandler):
         if too_often:
             self.close(1008, f"at most {MOST_MESSAGES} messages in {WINDOW:g} s")
             return
-        found = _read(message)
-        if found is None:
+        found = None
+        with suppress(ValueError, RecursionError):
+            found = json.loads(message)
+        if not isinstance(found, dict):
             self.close(1008, "a message has to be a JSON object")
             return
         number = found.get("number")
-        if type(number) not in _NUMBERS:
+        if type(number) not in (int, type(None)):
             self._answer(None, {"fault": "'number' is not an integer"})
             return
         taken = self._server.take(found)
@@ -287,15 +288,10 @@ class _Viewer(_PlainErrors, WebSocketHandler):
             self._server.viewers.discard(self)
 
 
-def _read(message: Any) -> Optional[Dict[str, Any]]:
-    """Return the JSON object of a viewer's message, None for an invalid message."""
-    try:
-        found = json.loads(message)
-    except (ValueError, RecursionError):
-        return None
-    return found if isinstance(found, dict) else None
+def _proof(token: str) -> str:
+    return hashlib.sha256(token.encode("utf-8")).hexdigest()
 
 
-def _plain(host: str) -> str:
-    """Return a host without characters that are special in a policy."""
-    return "".join(letter for letter in host if letter.isalnum() or letter in ".-:[]")
+def _equal(one: str, other: str) -> bool:
+    """Compare two proofs in a time that does not depend on them."""
+    return hmac.compare_digest(one.encode("utf-8"), other.encode("utf-8"))

@@ -12,9 +12,8 @@ from tornado.netutil import bind_sockets
 
 from rosoclingo.common.parameters import ParameterError, Parameters
 from rosoclingo.nodes.core_connection import CoreConnection
-from rosoclingo.nodes.pages.access import LOCAL, Access
 from rosoclingo.nodes.pages.order_desk import OrderDesk, Taken
-from rosoclingo.nodes.pages.page_server import PageServer
+from rosoclingo.nodes.pages.page_server import LOCAL, PageServer
 from rosoclingo.nodes.pages.report_command import web
 from rosoclingo.nodes.pages.scan_feed import ScanFeed
 from rosoclingo.nodes.run_topics import TYPES, RunTopics
@@ -82,7 +81,7 @@ class WebNode:
         self._topics = RunTopics(self._view, rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._scans = ScanFeed(self._on_scan)
-        self._server = PageServer(lambda: self._view, self._look, web(), Access(token), sockets, self._take)
+        self._server = PageServer(lambda: self._view, self._look, web(), token, sockets, self._take)
         self._desk = OrderDesk(self._forms, CoreConnection(self._topics.full))
         self._health: Dict[str, Tuple[int, str, float]] = {}
         self._server.start()
