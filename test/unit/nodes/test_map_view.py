@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import OccupancyGrid
 
+from rosoclingo.nodes.rviz.canvas import LINE_HEIGHT, Canvas, text_width
 from rosoclingo.nodes.rviz.map_view import FRAME, bounds_of, known_bounds, text_factor, view_of, with_robots, with_view
-from rosoclingo.nodes.rviz.panel import LETTERS, LINES, Panel
-from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, larger, text_width
+from rosoclingo.nodes.rviz.panel import LETTERS, LINES, draw_panel
 from rosoclingo.runs.planar_frames import Pose
 
 
@@ -30,15 +30,13 @@ def test_map_view_contains_map_and_longest_text(box, size):
     bounds = (x, y, x + wide, y + high)
     view, factor = view_of(bounds, size), text_factor(bounds)
     corners = [(x, y), (x + wide, y + high)]
-    panel = Panel(((bounds[0] + bounds[2]) / 2, y, 0.0), "map", factor)
+    canvas = Canvas(factor)
     lines = "\n".join(["m" * (LETTERS // 2)] * (LINES + 1))
-    for shape in (*panel.title("A title that is long, " * 20), panel.plan(lines), panel.goals(lines)):
-        shape = larger(shape, factor)
-        half = (
-            text_width(shape.text, shape.scale[2]) / 2,
-            (shape.text.count("\n") + 1) * LINE_HEIGHT * shape.scale[2] / 2,
-        )
-        corners += [(shape.position[0] + sign * half[0], shape.position[1] + sign * half[1]) for sign in (-1, 1)]
+    draw_panel(canvas, ((bounds[0] + bounds[2]) / 2, y, 0.0), "map", "A title that is long, " * 20, lines, lines)
+    for one in canvas.markers:
+        place, high = one.pose.position, one.scale.z
+        half = text_width(one.text, high) / 2, (one.text.count("\n") + 1) * LINE_HEIGHT * high / 2
+        corners += [(place.x + sign * half[0], place.y + sign * half[1]) for sign in (-1, 1)]
     for px, py in corners:
         assert abs(px - view.x) * view.scale <= 0.5 * (size[0] - FRAME[0]) + 1e-6
         assert abs(py - view.y) * view.scale <= 0.5 * (size[1] - FRAME[1]) + 1e-6

@@ -2,16 +2,12 @@
 
 import math
 
+import pytest
+from visualization_msgs.msg import Marker
+
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.nodes.rviz.scene import (
-    LATER,
-    NEXT,
-    SHUT,
-    drawn_shapes,
-    package_shapes,
-    plan_shapes,
-    things_in,
-)
+from rosoclingo.nodes.rviz.canvas import LINE_HEIGHT, Canvas
+from rosoclingo.nodes.rviz.scene import LATER, NEXT, SHUT, draw_drawings, draw_packages, draw_plan, things_in
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import action_of
 from rosoclingo.runs.drawing import Drawing, DrawingKind
@@ -26,18 +22,33 @@ PLAN = [
 ]
 
 
+def drawn(draw, *arguments):
+    canvas = Canvas()
+    draw(canvas, *arguments)
+    return canvas.markers
+
+
+def place(marker):
+    return marker.pose.position.x, marker.pose.position.y, marker.pose.position.z
+
+
+def colour(marker):
+    return marker.color.r, marker.color.g, marker.color.b, marker.color.a
+
+
 def arrows(cycle, start):
-    shapes = plan_shapes([action_of(parse_atom(text)) for text in PLAN], LABELS, cycle, start)
-    return [(shape.points[0][0], shape.points[1][0], shape.colour) for shape in shapes if shape.kind == "arrow"]
+    found = drawn(draw_plan, [action_of(parse_atom(text)) for text in PLAN], LABELS, cycle, start)
+    return [(one.points[0].x, one.points[1].x, colour(one)) for one in found if one.type == Marker.ARROW]
 
 
 def test_markers_place_packages_apart_at_label_or_robot():
     places = [("1", "office2", False), ("2", "office2", False), ("3", "", True), ("4", "", True), ("5", "attic", False)]
-    cubes = [shape for shape in package_shapes(places, LABELS, "base_link") if shape.kind == "cube"]
-    assert [shape.frame for shape in cubes] == ["map", "map", "base_link", "base_link"]
-    assert cubes[0].position[:2] == (4.0, 0.65)
-    assert math.dist(cubes[0].position, cubes[1].position) > cubes[0].scale[0]
-    assert math.dist(cubes[2].position, cubes[3].position) > cubes[2].scale[0]
+    found = drawn(draw_packages, places, LABELS, "base_link")
+    cubes = [one for one in found if (one.ns, one.type) == ("packages", Marker.CUBE)]
+    assert [one.header.frame_id for one in cubes] == ["map", "map", "base_link", "base_link"]
+    assert place(cubes[0])[:2] == (4.0, 0.65)
+    assert math.dist(place(cubes[0]), place(cubes[1])) > cubes[0].scale.x
+    assert math.dist(place(cubes[2]), place(cubes[3])) > cubes[2].scale.x
 
 
 def test_markers_arrows_follow_remaining_plan_from_robot():
@@ -47,19 +58,27 @@ def test_markers_arrows_follow_remaining_plan_from_robot():
     assert arrows(1, None) == [(4.0, 8.0, LATER), (8.0, 4.0, LATER)], "without a pose"
 
 
-def drawn(*drawings):
-    return drawn_shapes([Drawing(kind, labels, text) for kind, labels, text in drawings], LABELS)
-
-
 def test_markers_blocked_way_has_bar_and_text():
-    way, bar, words = drawn((DrawingKind.BLOCKED, ("office1", "office2"), "shut"))
-    assert {shape.colour[:3] for shape in (way, bar, words)} == {SHUT[:3]}
-    assert [point[:2] for point in way.points] == [(0.0, 0.0), (4.0, 0.0)]
-    (x0, y0, high), (x1, y1, _) = bar.points
-    assert (x0, x1) == (2.0, 2.0)
-    assert y0 == -y1 != 0.0
-    assert high > way.points[0][2]
-    assert (words.text, words.plate is None) == ("shut", False)
+    found = drawn(draw_drawings, [Drawing(DrawingKind.BLOCKED, ("office1", "office2"), "shut")], LABELS)
+    way, bar, plate, words = found
+    assert {colour(one)[:3] for one in (way, bar, words)} == {SHUT[:3]}
+    assert [(point.x, point.y) for point in way.points] == [(0.0, 0.0), (4.0, 0.0)]
+    one, other = bar.points
+    assert (one.x, other.x) == (2.0, 2.0)
+    assert one.y == -other.y != 0.0
+    assert one.z > way.points[0].z
+    assert (words.text, plate.ns) == ("shut", "plates")
+    assert plate.pose.position.z < words.pose.position.z
+
+
+def test_markers_texts_keep_their_upper_edge_on_a_large_map():
+    tops = []
+    for factor in (1.0, 3.0):
+        canvas = Canvas(factor)
+        canvas.text("labels", "map", "office1\nis shut", (1.0, 2.0, 0.0))
+        (text,) = canvas.markers
+        tops.append(text.pose.position.y + text.scale.z * LINE_HEIGHT)
+    assert tops[0] == pytest.approx(tops[1])
 
 
 def test_markers_show_things_in_beliefs_as_packages():
@@ -69,4 +88,4 @@ def test_markers_show_things_in_beliefs_as_packages():
         Drawing(DrawingKind.ROBOT, ("office1",), ""),
     ]
     assert things_in(drawings) == [("cup", "office2", False), ("tray", "", True)]
-    assert drawn_shapes(drawings, LABELS) == []
+    assert drawn(draw_drawings, drawings, LABELS) == []

@@ -4,9 +4,8 @@ import functools
 from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
-from geometry_msgs.msg import Point as PointMessage
 from nav_msgs.msg import OccupancyGrid
-from std_msgs.msg import ColorRGBA, String
+from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rosoclingo.common.labels import LabelTable
@@ -14,17 +13,10 @@ from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.robot_pose import RobotPose
 from rosoclingo.common.worker import Worker
 from rosoclingo.msg import GoalStates, PackageStates, State, TaskPlan
+from rosoclingo.nodes.rviz.canvas import Canvas, Point
 from rosoclingo.nodes.rviz.map_view import Bounds, bounds_of, text_factor
-from rosoclingo.nodes.rviz.panel import Panel, goals_text, plan_text
-from rosoclingo.nodes.rviz.plain_shapes import Point, Shape, larger, with_plate
-from rosoclingo.nodes.rviz.scene import (
-    drawn_shapes,
-    label_shapes,
-    package_shapes,
-    plan_shapes,
-    robot_shapes,
-    things_in,
-)
+from rosoclingo.nodes.rviz.panel import draw_panel, goals_text, plan_text
+from rosoclingo.nodes.rviz.scene import draw_drawings, draw_labels, draw_packages, draw_plan, draw_robot, things_in
 from rosoclingo.planning.history import robots_of
 from rosoclingo.runs.drawing import Drawings, drawings_of
 from rosoclingo.runs.recorded_run import RecordingError, RunProgram
@@ -33,14 +25,6 @@ from rosoclingo.runs.topic_atoms import action_in
 
 HEIGHT = 0.3  # m above the floor
 NOWHERE = (0.0, -2.0, HEIGHT)  # place of the panel before the map arrives
-_KINDS = {
-    "cylinder": Marker.CYLINDER,
-    "cube": Marker.CUBE,
-    "arrow": Marker.ARROW,
-    "line": Marker.LINE_STRIP,
-    "text": Marker.TEXT_VIEW_FACING,
-}
-
 
 PROGRAM, STATE, PLAN, GOALS = (f"rosoclingo/{name}" for name in ("program", "state", "task_plan", "goals"))
 TOPICS = {"packages": PackageStates, PROGRAM: String, STATE: State, PLAN: TaskPlan, GOALS: GoalStates}
@@ -81,18 +65,15 @@ class MarkersNode:
         self._top: Optional[Point] = (*panel, HEIGHT) if panel else None  # type: ignore[assignment]
         self._size = given.at("size").number(0.0, low=0.0)
         self._title = given.at("title").text("")
-        radius = given.at("robot_radius").number(0.18, low=0.0)
+        self._radius = given.at("robot_radius").number(0.18, low=0.0)
         self._robots = given.at("robots").texts(()) or ("",)
         given.check()
-        self._fixed = label_shapes(self._labels)
-        for robot in self._robots:
-            self._fixed += robot_shapes(_prefix(robot) + self._pose.base_frame, radius, robot)
         self._latest: Dict[str, Any] = {}  # messages by topic
         self._bounds: Optional[Bounds] = None  # of the map
         self._starts: Dict[str, Optional[Tuple[float, float]]] = {}  # positions of the robots at the latest plan
         self._drawings, self._sentences = Drawings(), Sentences()
         self._changed = True
-        self._shown: Optional[List[Shape]] = None
+        self._shown: Optional[List[Marker]] = None
         self._publisher = rospy.Publisher("~markers", MarkerArray, queue_size=1, latch=True)
         self._worker = Worker(settle=self._draw, period=0.2)
         rospy.on_shutdown(lambda: self._worker.stop(2.0))
@@ -126,53 +107,44 @@ class MarkersNode:
         if not self._changed:
             return
         self._changed = False
-        panel = self._panel()
-        shapes = [one for shape in self._shapes(panel) for one in with_plate(larger(shape, panel.factor))]
-        if shapes != self._shown:
-            self._shown = shapes
-            markers = [Marker(action=Marker.DELETEALL), *(_marker(one, index) for index, one in enumerate(shapes))]
-            self._publisher.publish(MarkerArray(markers=markers))
+        markers = self._markers()
+        if markers != self._shown:
+            self._shown = markers
+            self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers]))
 
-    def _panel(self) -> Panel:
-        """Return the panel below the map, with texts that are readable in a view of the whole map."""
+    def _markers(self) -> List[Marker]:
+        """Return all markers; things drawn by the program are shown only without the topic of packages.
+
+        The panel is below the map, with texts that are readable in a view of the whole map.
+        """
         below, factor = NOWHERE, 1.0
         if self._bounds is not None:
             left, lower, right, _ = self._bounds
             below, factor = ((left + right) / 2.0, lower, HEIGHT), text_factor(self._bounds)
-        return Panel(self._top or below, self._pose.map_frame, self._size or factor)
-
-    def _shapes(self, panel: Panel) -> List[Shape]:
-        """Return all shapes; things drawn by the program are shown only without the topic of packages."""
+        canvas = Canvas(self._size or factor)
         state, plan, goals = (self._latest.get(name) for name in (STATE, PLAN, GOALS))
         drawn = self._drawings.of(state.atoms if state is not None else (), frozenset(self._labels.names))
         things, packages = things_in(drawn), self._latest.get("packages")
         if packages is not None:
             things = [(one.id, one.location, one.carried) for one in packages.packages]
-        shapes = [*self._fixed, *panel.title(self._title), *drawn_shapes(drawn, self._labels)]
-        shapes += package_shapes(things, self._labels, self._pose.base_frame)
+        draw_labels(canvas, self._labels)
+        for robot in self._robots:
+            draw_robot(canvas, _prefix(robot) + self._pose.base_frame, self._radius, robot)
+        draw_drawings(canvas, drawn, self._labels)
+        draw_packages(canvas, things, self._labels, self._pose.base_frame)
+        texts = {"title": self._title}
         if plan is not None:
             actions = [one for one in map(action_in, plan.actions) if one is not None]
-            shapes.append(panel.plan(plan_text(actions, plan.cycle, self._sentences)))
+            texts["plan"] = plan_text(actions, plan.cycle, self._sentences)
             for robot in self._robots:
                 own = [one for one in actions if not robot or robot in map(str, robots_of(one.interface))]
-                shapes += plan_shapes(own, self._labels, plan.cycle, self._starts.get(robot))
+                draw_plan(canvas, own, self._labels, plan.cycle, self._starts.get(robot))
         if goals is not None:
             rows = [(one.request, one.status, one.reason) for one in goals.goals]
-            shapes.append(panel.goals(goals_text(rows, self._sentences)))
-        return shapes
+            texts["goals"] = goals_text(rows, self._sentences)
+        draw_panel(canvas, self._top or below, self._pose.map_frame, **texts)
+        return canvas.markers
 
 
 def _prefix(robot: str) -> str:
     return f"{robot}/" if robot else ""
-
-
-def _marker(shape: Shape, index: int) -> Marker:
-    marker = Marker(ns=shape.group, id=index, type=_KINDS[shape.kind], action=Marker.ADD, text=shape.text)
-    marker.header.frame_id = shape.frame
-    marker.frame_locked = True
-    marker.pose.position = PointMessage(*shape.position)
-    marker.pose.orientation.w = 1.0
-    marker.scale.x, marker.scale.y, marker.scale.z = shape.scale
-    marker.color = ColorRGBA(*shape.colour)
-    marker.points = [PointMessage(*point) for point in shape.points]
-    return marker

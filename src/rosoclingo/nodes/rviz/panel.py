@@ -1,9 +1,9 @@
 """The panel below the map in rviz: a title, and side by side the plan and the goals with their reasons."""
 
 import textwrap
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
-from rosoclingo.nodes.rviz.plain_shapes import LINE_HEIGHT, Point, Shape, text_shape, text_width
+from rosoclingo.nodes.rviz.canvas import LINE_HEIGHT, Canvas, Point, text_width
 from rosoclingo.reasoning.keywords import Action, shortened
 from rosoclingo.runs.events import ENDED, SAID, STATUS_WORDS, reason_suffix, status_word
 from rosoclingo.runs.sentences import Sentences
@@ -23,33 +23,19 @@ HEIGHT = 2 * GAP + LINE_HEIGHT * (TITLE_SIZE + (LINES + 1) * WORDS_SIZE)
 GoalRow = Tuple[str, int, str]
 
 
-class Panel(NamedTuple):
-    """The layout of the panel: the centre of its upper edge (m), and its scale, 1 for a map of 16 m."""
-
-    top: Point
-    frame: str
-    factor: float = 1.0
-
-    def title(self, text: str) -> List[Shape]:
-        """Return the title, centred, as large as fits."""
-        if not text:
-            return []
-        return [self._words("title", text, 0.0, GAP, min(TITLE_SIZE, WIDTH / text_width(text, 1.0)))]
-
-    def plan(self, text: str) -> Shape:
-        """Return the plan, on the left."""
-        return self._words("plan", text, -0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
-
-    def goals(self, text: str) -> Shape:
-        """Return the goals, on the right."""
-        return self._words("goals", text, 0.25 * WIDTH, 2 * GAP + LINE_HEIGHT * TITLE_SIZE, WORDS_SIZE)
-
-    def _words(self, group: str, text: str, right: float, down: float, size: float) -> Shape:
-        """Return a text with its upper edge at a place; rviz centres a text at its position."""
-        x, y, z = self.top
-        half = 0.5 * (text.count("\n") + 1) * LINE_HEIGHT * size
-        place = (x + self.factor * right, y - self.factor * down - half, z)
-        return text_shape(group, self.frame, text, place, size=size)
+def draw_panel(canvas: Canvas, top: Point, frame: str, title: str = "", plan: str = "", goals: str = "") -> None:
+    """Draw the panel from the centre of its upper edge (m): the title, as large as fits, plan and goals."""
+    size = min(TITLE_SIZE, WIDTH / text_width(title, 1.0)) if title else 0.0
+    down = 2 * GAP + LINE_HEIGHT * TITLE_SIZE
+    for group, text, right, below, height in (
+        ("title", title, 0.0, GAP, size),
+        ("plan", plan, -0.25 * WIDTH, down, WORDS_SIZE),
+        ("goals", goals, 0.25 * WIDTH, down, WORDS_SIZE),
+    ):
+        if text:  # rviz centres a text at its position
+            half = 0.5 * (text.count("\n") + 1) * LINE_HEIGHT * height
+            place = (top[0] + canvas.factor * right, top[1] - canvas.factor * below - half, top[2])
+            canvas.text(group, frame, text, place, size=height)
 
 
 def plan_text(actions: Sequence[Action], cycle: int, sentences: Sentences) -> str:

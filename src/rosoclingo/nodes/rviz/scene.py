@@ -1,10 +1,12 @@
-"""Shapes on the map for rviz: labels, packages, the plan's way, and the program's drawings."""
+"""Draws on the map in rviz: labels, packages, the plan's way, and the program's drawings."""
 
 import math
 from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
+from visualization_msgs.msg import Marker
+
 from rosoclingo.common.labels import Label, LabelTable
-from rosoclingo.nodes.rviz.plain_shapes import INK, PAPER, TEXT_SIZE, Colour, Point, Shape, text_shape
+from rosoclingo.nodes.rviz.canvas import INK, PAPER, TEXT_SIZE, Canvas, Colour, Point
 from rosoclingo.reasoning.keywords import Action
 from rosoclingo.runs.drawing import Drawing, DrawingKind
 
@@ -26,35 +28,31 @@ TAIL = 0.75  # distance in m of a robot's name from its middle, where its load i
 LANE = 0.2
 
 
-def robot_shapes(frame: str, radius: float, name: str = "") -> List[Shape]:
-    """Return the robot as a cylinder with an arrow for its heading, and its name behind it."""
+def draw_robot(canvas: Canvas, frame: str, radius: float, name: str = "") -> None:
+    """Draw the robot as a cylinder with an arrow for its heading, and its name behind it."""
     height = 1.2 * radius
+    if name:
+        canvas.text("robot", frame, name, (-TAIL, 0.0, height + 0.3), plate=PAPER, turns=True)
+    size = (2 * radius, 2 * radius, height)
+    canvas.add("robot", Marker.CYLINDER, frame, BODY, (0.0, 0.0, height / 2), size)
     nose = ((0.0, 0.0, height + 0.03), (1.5 * radius, 0.0, height + 0.03))
-    tag = (
-        [text_shape("robot", frame, name, (-TAIL, 0.0, height + 0.3))._replace(plate=PAPER, turns=True)] if name else []
-    )
-    return [
-        *tag,
-        Shape("robot", "cylinder", frame, BODY, (0.0, 0.0, height / 2), (2 * radius, 2 * radius, height)),
-        Shape("robot", "arrow", frame, NOSE, scale=(0.3 * radius, 0.7 * radius, 0.5 * radius), points=nose),
-    ]
+    canvas.add("robot", Marker.ARROW, frame, NOSE, scale=(0.3 * radius, 0.7 * radius, 0.5 * radius), points=nose)
 
 
-def label_shapes(labels: LabelTable) -> List[Shape]:
-    """Return a disc and a name for each label."""
-    shapes = []
+def draw_labels(canvas: Canvas, labels: LabelTable) -> None:
+    """Draw a disc and a name for each label."""
     for label in labels:
-        shapes.append(Shape("labels", "cylinder", label.frame, BLUE, (label.x, label.y, 0.01), (0.6, 0.6, 0.02)))
-        shapes.append(_tag("labels", label.frame, label.name, (label.x, label.y - 0.55)))
-    return shapes
+        canvas.add("labels", Marker.CYLINDER, label.frame, BLUE, (label.x, label.y, 0.01), (0.6, 0.6, 0.02))
+        _tag(canvas, "labels", label.frame, label.name, (label.x, label.y - 0.55))
 
 
-def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str) -> List[Shape]:
-    """Return a cube with its name for each package (identifier, label, carried), at its label or on the robot.
+def draw_packages(
+    canvas: Canvas, places: Sequence[Tuple[str, str, bool]], labels: LabelTable, robot_frame: str
+) -> None:
+    """Draw a cube with its name for each package (identifier, label, carried), at its label or on the robot.
 
     A carried package can have the name of one of several robots in place of the label.
     """
-    shapes: List[Shape] = []
     there: Dict[str, int] = {}
     for package, location, carried in places:
         if not carried and location not in labels:
@@ -66,15 +64,13 @@ def package_shapes(places: Sequence[Tuple[str, str, bool]], labels: LabelTable, 
         else:
             frame, position = labels[location].frame, _package_place(labels[location], number)
         x, y, z = position
-        size = (PACKAGE_SIZE, PACKAGE_SIZE, PACKAGE_SIZE)
-        shapes.append(Shape("packages", "cube", frame, BROWN, position, size))
-        name = text_shape("packages", frame, package, (x, y, z + PACKAGE_SIZE), size=0.75 * TEXT_SIZE)
-        shapes.append(name._replace(plate=BROWN, turns=carried))
-    return shapes
+        canvas.add("packages", Marker.CUBE, frame, BROWN, position, (PACKAGE_SIZE, PACKAGE_SIZE, PACKAGE_SIZE))
+        above, size = (x, y, z + PACKAGE_SIZE), 0.75 * TEXT_SIZE
+        canvas.text("packages", frame, package, above, size=size, plate=BROWN, turns=carried)
 
 
 def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
-    """Return the things in drawings of the program, in the form of :func:`package_shapes`."""
+    """Return the things in drawings of the program, in the form of :func:`draw_packages`."""
     return [
         (one.text, one.labels[0] if one.labels else "", one.kind is DrawingKind.CARRIED)
         for one in drawings
@@ -82,52 +78,45 @@ def things_in(drawings: Iterable[Drawing]) -> List[Tuple[str, str, bool]]:
     ]
 
 
-def drawn_shapes(drawings: Sequence[Drawing], labels: LabelTable) -> List[Shape]:
-    """Return the program's drawings: ways between labels, also blocked, and texts at labels."""
-    shapes: List[Shape] = []
+def draw_drawings(canvas: Canvas, drawings: Sequence[Drawing], labels: LabelTable) -> None:
+    """Draw the program's drawings: ways between labels, also blocked, and texts at labels."""
     ways = sorted((one for one in drawings if one.kind in WAYS), key=lambda one: list(WAYS).index(one.kind))
     for height, one in enumerate(ways):
-        shapes += _way(one, labels[one.labels[0]], labels[one.labels[1]], 0.02 + 0.0001 * height)
+        _draw_way(canvas, one, labels[one.labels[0]], labels[one.labels[1]], 0.02 + 0.0001 * height)
     marks: Dict[str, int] = {}
     for one in drawings:
         if one.kind is DrawingKind.MARK:
             label, number = labels[one.labels[0]], marks.get(one.labels[0], 0)
             marks[one.labels[0]] = number + 1
-            shapes.append(_tag("drawn", label.frame, one.text, (label.x, label.y + 0.55 + 0.4 * number)))
-    return shapes
+            _tag(canvas, "drawn", label.frame, one.text, (label.x, label.y + 0.55 + 0.4 * number))
 
 
-def _way(one: Drawing, start: Label, end: Label, height: float) -> List[Shape]:
-    """Return a line between two labels, a bar across it if it is blocked, and its text."""
+def _draw_way(canvas: Canvas, one: Drawing, start: Label, end: Label, height: float) -> None:
+    """Draw a line between two labels, a bar across it if it is blocked, and its text."""
     colour, width = WAYS[one.kind]
     x, y = (start.x + end.x) / 2, (start.y + end.y) / 2
-    shapes = [_line(start.frame, colour, width, (start.x, start.y, height), (end.x, end.y, height))]
+    canvas.line(start.frame, colour, width, (start.x, start.y, height), (end.x, end.y, height))
     length = math.hypot(end.x - start.x, end.y - start.y)
     if one.kind is DrawingKind.BLOCKED and length:
         across, up = BAR / 2 * (end.y - start.y) / length, BAR / 2 * (start.x - end.x) / length
-        shapes.append(_line(start.frame, colour, 3 * width, (x - across, y - up, 0.25), (x + across, y + up, 0.25)))
+        canvas.line(start.frame, colour, 3 * width, (x - across, y - up, 0.25), (x + across, y + up, 0.25))
     if one.text:
-        shapes.append(_tag("drawn", start.frame, one.text, (x, y + 0.5), (*colour[:3], 1.0)))
-    return shapes
+        _tag(canvas, "drawn", start.frame, one.text, (x, y + 0.5), (*colour[:3], 1.0))
 
 
-def _tag(group: str, frame: str, text: str, place: Tuple[float, float], colour: Colour = INK) -> Shape:
-    """Return a text that is readable on walls and furniture, above arrows."""
-    return text_shape(group, frame, text, (*place, 0.4), colour)._replace(plate=PAPER)
+def _tag(canvas: Canvas, group: str, frame: str, text: str, place: Tuple[float, float], colour: Colour = INK) -> None:
+    """Draw a text that is readable on walls and furniture, above arrows."""
+    canvas.text(group, frame, text, (*place, 0.4), colour, plate=PAPER)
 
 
-def _line(frame: str, colour: Colour, width: float, start: Point, end: Point) -> Shape:
-    return Shape("drawn", "line", frame, colour, scale=(width, 0.0, 0.0), points=(start, end))
-
-
-def plan_shapes(
-    actions: Sequence[Action], labels: LabelTable, cycle: int, start: Optional[Tuple[float, float]]
-) -> List[Shape]:
-    """Return the plan's way from cycle `cycle` on as arrows from `start` (the robot's position).
+def draw_plan(
+    canvas: Canvas, actions: Sequence[Action], labels: LabelTable, cycle: int, start: Optional[Tuple[float, float]]
+) -> None:
+    """Draw the plan's way from cycle `cycle` on as arrows from `start` (the robot's position).
 
     An action whose parameter is a label leads there; others do not move the robot.
     """
-    here, shapes = start, []
+    here, size = start, (0.07 * canvas.factor, 0.2 * canvas.factor, 0.25 * canvas.factor)
     for action in actions:
         if action.parameter not in labels:
             continue
@@ -138,9 +127,8 @@ def plan_shapes(
         if here is not None and math.hypot(place.x - here[0], place.y - here[1]) > 0.1:
             colour = NEXT if action.cycle == cycle else LATER
             points = _lane(here, (place.x, place.y), 0.2 if colour is NEXT else 0.1)
-            shapes.append(Shape("plan", "arrow", place.frame, colour, scale=(0.07, 0.2, 0.25), points=points))
+            canvas.add("plan", Marker.ARROW, place.frame, colour, scale=size, points=points)
         here = (place.x, place.y)
-    return shapes
 
 
 def _lane(start: Tuple[float, float], end: Tuple[float, float], z: float) -> Tuple[Point, Point]:
