@@ -4,9 +4,10 @@ from typing import Any, Callable, Dict, Optional, Tuple
 
 from rosoclingo.nodes.pose_topics import PoseTopics
 from rosoclingo.reasoning.keywords import CORE
-from rosoclingo.runs.events import GoalReport, RunEvents
+from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.planar_frames import Pose
 from rosoclingo.runs.recorded_run import problem_in
+from rosoclingo.runs.run_view import RunEvents
 from rosoclingo.runs.sentences import actors_of
 from rosoclingo.runs.topic_atoms import action_in, run_in
 from rosoclingo.runs.topic_names import full_name

@@ -19,9 +19,9 @@ from rosoclingo.reasoning.keywords import REQUEST, RETURN, RUNNING, TAKES, Actio
 from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import Record, codec, group
 from rosoclingo.reasoning.returns import Dispatch
-from rosoclingo.runs.events import GoalReport, RunEvents
+from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
-from rosoclingo.runs.run_view import RunView
+from rosoclingo.runs.run_view import RunEvents, RunView
 from rosoclingo.runs.sent_returns import SentReturns
 
 #: A page's notes about missing data.

@@ -16,7 +16,6 @@ from rosoclingo.oclingo import OclingoError, ProgramError, ReactiveProgram, Stre
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.updates import CloseCycles, Reset
 from rosoclingo.planning.history import AcceptedUpdate, Checkpoint, History, Plan
-from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.topic_atoms import action_in, atom_in
 
 #: The version of the format of :meth:`RunProgram.text`.
@@ -205,7 +204,7 @@ def _closes(update: StreamUpdate, cycle: int) -> bool:
     return any(isinstance(one, CloseCycles) and one.first <= cycle <= one.last for one in update.items)
 
 
-class RunCollector(RunEvents):
+class RunCollector:
     """Assembles runs from their events; the methods raise RecordingError.
 
     Each topic is in order, but different topics have no common order. A restarted core begins another run.
@@ -259,6 +258,11 @@ class RunCollector(RunEvents):
         """Add a problem from the core's log."""
         if self._runs:
             self._run.at(cycle).problems.append(text)
+
+    def _ignore(self, *_event: Any) -> None:
+        """Ignore an event that does not affect decisions."""
+
+    begin = goals = cancel = returned = packages = beliefs = mode = pose = path = scan = floor = wall = clock = _ignore
 
     def runs(self) -> List[RecordedRun]:
         """Return the runs with updates, in order; raises RecordingError if there is none."""

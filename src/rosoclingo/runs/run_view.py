@@ -6,7 +6,7 @@ Times are seconds of the run's clock since the first request, fact or action.
 import json
 import math
 from collections import defaultdict
-from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, StreamUpdate, parse_term, parse_update
@@ -30,13 +30,12 @@ from rosoclingo.runs.events import (
     STATUS_WORDS,
     WAITING,
     GoalReport,
-    RunEvents,
     reason_of,
     reason_suffix,
     status_word,
 )
 from rosoclingo.runs.log_lines import BEGUN, RunLog
-from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, thinned
 from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
@@ -65,8 +64,8 @@ _REPORTED = (ACTION_LIB + "(", STATUS + "(")
 MOST = 50000
 
 
-class RunView(RunEvents):
-    """Collects the events of a run in tables; ``about`` has further texts of the page (title, verdict).
+class RunView:
+    """Collects the events of a run, in order, in tables; ``about`` has further texts of the page (title, verdict).
 
     A view can begin in the middle of a run, with the messages of the latched topics in any order. The log counts
     seconds since the first request, fact or action; ``with_state`` adds the program's beliefs to the log.
@@ -480,6 +479,11 @@ class RunView(RunEvents):
         """Add a line to the log: seconds since the beginning, cycle, kind, text and details."""
         line = {"text": shortened(text, SHOWN), "details": shortened(details, SHOWN)}
         self.tables["log"].add(time=round(time, 2), cycle=cycle, kind=kind, **line)
+
+
+#: A consumer of the events of a run, whose sources are a core's topics, live or from a bag, and its journal: a view for
+#: pages and accounts, or a collector of the cycles of a replay. Times are in seconds of the run's clock.
+RunEvents = Union[RunView, RunCollector]
 
 
 def _as_fed(text: str) -> str:

@@ -8,8 +8,8 @@ import rosbag
 
 from rosoclingo.nodes.pose_topics import EXACT
 from rosoclingo.nodes.run_topics import RunTopics
-from rosoclingo.runs.events import RunEvents
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
+from rosoclingo.runs.run_view import RunEvents
 
 #: The topics of a replay, with names for :func:`full_name`.
 REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
