@@ -22,7 +22,6 @@ from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import GoalReport
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.run_view import RunEvents, RunView
-from rosoclingo.runs.sent_returns import SentReturns
 
 #: A page's notes about missing data.
 LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
@@ -92,7 +91,6 @@ class _Reader:
         self._now = self._last = 0.0  # the time of the last state, which never goes back, and as it was recorded
         self._clients: Dict[str, ClientGoal] = {}  # of the last state
         self._returns: Set[str] = set()
-        self._sent_returns = SentReturns()
         self._entries: Set[str] = set()  # names of the log's entries
         self._updates: List[StreamUpdate] = []  # updates since the beginning of the last cycle
         self._cycle = 0  # of the last accepted update
@@ -114,7 +112,6 @@ class _Reader:
         self._arrivals(time, found)
         if not self.first:
             self.first, self._cycle = max(1, state["core:step"]), _latest(state)
-            self._sent_returns = SentReturns(one for one in sent if one.cycle < self._cycle)
             self._entries.update(group(state, "log"))
         ended = sorted(_read_actions(state["preemption:found"]))
         self._events.dispatched(time, [*(str(one.atom) for one in sent), *(str(one.cancellation) for one in ended)])
@@ -150,7 +147,6 @@ class _Reader:
         self._updates += [one.update for one in accepted if isinstance(one, AcceptedUpdate) and one.update is not None]
         if _latest(state) > self._cycle:
             for update in self._effective_updates():
-                self._returned(time, [str(one.atom) for one in self._sent_returns.of(update)])
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
             self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True

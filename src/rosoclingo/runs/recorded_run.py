@@ -163,40 +163,16 @@ class RecordedRun:
         return "\n".join(map(str, [*first.values(), *updates]))
 
 
-class _Open:
-    """An unfinished run, with cycles by number, since topics have no common order."""
-
-    def __init__(self, program: Optional[RunProgram] = None, start: Optional[History] = None, latest: int = 0) -> None:
-        self.program, self.start, self.latest = program, start, latest
-        self._leading: List[StreamUpdate] = []  # updates of a restarted program, up to the present cycle
-        self._cycles: Dict[int, RecordedCycle] = {}
-
-    def at(self, cycle: int) -> RecordedCycle:
-        """Return the record of a cycle."""
-        return self._cycles.setdefault(cycle, RecordedCycle(cycle))
-
-    def update(self, update: StreamUpdate) -> None:
-        """Add an update; a restarted program repeats earlier cycles in a few updates."""
-        step = update.step or 1
-        self._leading.append(update)
-        if step > self.latest:
-            self.latest = step
-            self.at(step).updates += self._leading
-            self._leading = []
-
-    def close(self) -> RecordedRun:
-        """Return the run; raises RecordingError if updates are missing."""
-        cycles = [self._cycles[number] for number in sorted(self._cycles) if self._cycles[number].updates]
-        expected = 1 if self.start is None or not cycles else cycles[0].cycle
-        for one in cycles:
-            if one.cycle != expected and not _closes(one.updates[0], expected - 1):
-                last = one.cycle - 1
-                missing = f"cycle {last}" if expected == last else f"cycles {expected} to {last}"
-                fix = "start the recorder before the first request (record:=true)" if expected == 1 else "see its notes"
-                text = f"the updates of {missing} are missing, so later cycles cannot be replayed: {fix}"
-                raise RecordingError(text)
-            expected = one.cycle + 1
-        return RecordedRun(self.program, cycles, self.start)
+def _check(run: RecordedRun) -> None:
+    """Raise RecordingError if updates are missing."""
+    expected = 1 if run.start is None or not run.cycles else run.cycles[0].cycle
+    for one in run.cycles:
+        if one.cycle != expected and not _closes(one.updates[0], expected - 1):
+            last = one.cycle - 1
+            missing = f"cycle {last}" if expected == last else f"cycles {expected} to {last}"
+            fix = "start the recorder before the first request (record:=true)" if expected == 1 else "see its notes"
+            raise RecordingError(f"the updates of {missing} are missing, so later cycles cannot be replayed: {fix}")
+        expected = one.cycle + 1
 
 
 def _closes(update: StreamUpdate, cycle: int) -> bool:
@@ -212,26 +188,48 @@ class RunCollector:
 
     def __init__(self, start: Optional[History] = None, latest: int = 0) -> None:
         """Begin before the first cycle, or with a history after the update of the cycle ``latest``."""
-        self._runs: List[_Open] = [] if start is None else [_Open(start=start, latest=latest)]
+        self._runs: List[RecordedRun] = []
+        if start is not None:
+            self._begin(RecordedRun(start=start), latest)
+
+    def _begin(self, run: RecordedRun, latest: int = 0) -> None:
+        self._runs.append(run)
+        self._latest = latest  # the cycle of its last update
+        self._cycles: Dict[int, RecordedCycle] = {}
+        self._leading: List[StreamUpdate] = []  # updates of a restarted program, up to the present cycle
+
+    def _at(self, cycle: int) -> RecordedCycle:
+        """Return the record of a cycle of the last run."""
+        if not self._runs:
+            self._begin(RecordedRun())
+        if cycle not in self._cycles:
+            self._cycles[cycle] = RecordedCycle(cycle)
+            self._runs[-1].cycles.append(self._cycles[cycle])
+        return self._cycles[cycle]
 
     def program(self, time: float, text: str) -> None:
         """Add the program of a core."""
         found = RunProgram.parse(text)
         last = self._runs[-1] if self._runs else None
-        if last is not None and last.program is None and (last.start is not None or not last.latest):
+        if last is not None and last.program is None and (last.start is not None or not self._latest):
             last.program = found
         elif last is None or last.program is None or last.program.run != found.run:
-            self._runs.append(_Open(found))
+            self._begin(RecordedRun(found))
 
     def update(self, time: float, text: str) -> None:
-        """Add an accepted update."""
+        """Add an accepted update; a restarted program repeats earlier cycles in a few updates."""
         try:
             update = parse_update(text)
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
-        if update.step == 1 and self._run.latest and Reset() not in update.items:
-            self._runs.append(_Open())
-        self._run.update(update)
+        step = update.step or 1
+        if not self._runs or (update.step == 1 and self._latest and Reset() not in update.items):
+            self._begin(RecordedRun())
+        self._leading.append(update)
+        if step > self._latest:
+            self._latest = step
+            self._at(step).updates += self._leading
+            self._leading = []
 
     def plan(
         self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
@@ -240,7 +238,7 @@ class RunCollector:
 
         An empty plan after another one is the first plan of a restarted core, whose program has not arrived yet.
         """
-        plans = self._run.at(cycle).plans
+        plans = self._at(cycle).plans
         plan = Plan.from_atoms(filter(None, map(atom_in, actions)), horizon).rest(cycle)
         if plan.actions or not plans:
             plans.append(plan)
@@ -250,14 +248,14 @@ class RunCollector:
         for text in facts:
             action = action_in(text)
             if action is not None:
-                one = self._run.at(action.cycle)
+                one = self._at(action.cycle)
                 known = one.dispatched or []
                 one.dispatched = known if text in known else [*known, text]
 
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Add a problem from the core's log."""
         if self._runs:
-            self._run.at(cycle).problems.append(text)
+            self._at(cycle).problems.append(text)
 
     def _ignore(self, *_event: Any) -> None:
         """Ignore an event that does not affect decisions."""
@@ -266,16 +264,13 @@ class RunCollector:
 
     def runs(self) -> List[RecordedRun]:
         """Return the runs with updates, in order; raises RecordingError if there is none."""
-        found = [one for one in (run.close() for run in self._runs) if one.cycles]
+        for run in self._runs:
+            run.cycles = sorted((one for one in run.cycles if one.updates), key=lambda one: one.cycle)
+            _check(run)
+        found = [run for run in self._runs if run.cycles]
         if not found:
             raise RecordingError("it has no update of a core: there was no request, or the recorder was not connected")
         return found
-
-    @property
-    def _run(self) -> _Open:
-        if not self._runs:
-            self._runs.append(_Open())
-        return self._runs[-1]
 
 
 def problem_in(text: str) -> Tuple[Optional[int], str]:

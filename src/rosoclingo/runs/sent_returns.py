@@ -1,6 +1,6 @@
 """The returns of stream updates, as interfaces sent them: updates date the return of an action that went on later."""
 
-from typing import Iterable, List, Optional
+from typing import List, Optional
 
 from clingo import SymbolType
 
@@ -11,9 +11,8 @@ from rosoclingo.reasoning.keywords import RETURN, RUNNING, Action, Return, is_ke
 class SentReturns:
     """Follows the updates of a run, which state ``_running(A,P,C)`` for each cycle in which an action goes on."""
 
-    def __init__(self, running: Iterable[Action] = ()) -> None:
-        """Begin with the first update, or while the actions ``running``, as sent, go on."""
-        self._running = list(running)
+    def __init__(self) -> None:
+        self._running: List[Action] = []  # actions that go on, as they were sent
 
     def of(self, update: StreamUpdate) -> List[Return]:
         """Return the returns of the next update, with the cycles in which their actions were sent."""
