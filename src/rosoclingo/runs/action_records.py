@@ -1,13 +1,14 @@
 """Records of the dispatched actions, each with its return."""
 
-from typing import Dict, List, Optional, Set, Tuple
+from collections import defaultdict, deque
+from typing import DefaultDict, Deque, Dict, List, Optional, Set, Tuple
 
 from rosoclingo.reasoning.keywords import ACTION_LIB, CANCEL_ACTION, PREEMPTED, Return, name_of
 from rosoclingo.runs.run_tables import PlannedActions, Record, Table
 from rosoclingo.runs.topic_atoms import action_in
 
-#: Limit of remembered returns that arrived before their actions.
-EARLY = 20
+#: Limits of remembered returns that arrived before their actions, and of an interface's remembered actions.
+EARLY = RECENT = 20
 
 
 class ActionRecords:
@@ -20,6 +21,7 @@ class ActionRecords:
     def forget(self) -> None:
         """Forget all running actions, for another run of the core."""
         self._open: Dict[Tuple[str, int], List[int]] = {}  # numbers of records, by interface and cycle
+        self._recent: DefaultDict[str, Deque[int]] = defaultdict(lambda: deque(maxlen=RECENT))  # by interface
         self._cancelled: Set[int] = set()  # numbers of records of cancelled actions
         self._early: List[Return] = []  # returns of actions that have not arrived: topics have no common order
 
@@ -33,6 +35,7 @@ class ActionRecords:
             number = self._table.add(action=word, begun=now, ended=None, value=None, failed=False, preempted=False)
             action = self._planned[word]
             self._open.setdefault((action["interface"], action["cycle"]), []).append(number)
+            self._recent[action["interface"]].append(number)
         self._early = [answer for answer in self._early if self._answered(now, answer) is None]
 
     def returned(self, now: float, answer: Return) -> Optional[Record]:
@@ -41,6 +44,17 @@ class ActionRecords:
         if found is None:
             self._early = [*self._early, answer][-EARLY:]
         return found
+
+    def as_sent(self, answer: Return) -> Return:
+        """Return a return of an update as its interface sent it: updates date those of actions that went on later."""
+        value, recent = name_of(answer.value), self._recent[answer.interface_name]
+        cycles = ((self._planned[self._table[number]["action"]]["cycle"], number) for number in reversed(recent))
+        known = [(cycle, number) for cycle, number in cycles if cycle <= answer.cycle]
+        named = [cycle for cycle, number in known if self._parameter(number) == value]
+        present = [cycle for cycle, _ in known if cycle == answer.cycle]
+        ended = [cycle for cycle, number in known if self._table[number]["value"] == value]
+        oldest = [cycle for cycle, number in reversed(known) if self._table[number]["ended"] is None]
+        return answer._replace(cycle=next(iter((*named, *present, *ended, *oldest)), answer.cycle))
 
     def _cancel(self, text: str) -> None:
         action = action_in(text)

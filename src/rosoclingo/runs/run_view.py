@@ -14,11 +14,13 @@ from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
     REQUEST,
+    RETURN,
     STATUS,
     Action,
     Return,
     is_keyword,
     name_of,
+    return_of,
     shortened,
 )
 from rosoclingo.runs.action_records import ActionRecords
@@ -37,7 +39,6 @@ from rosoclingo.runs.events import (
 from rosoclingo.runs.log_lines import BEGUN, RunLog
 from rosoclingo.runs.recorded_run import RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.run_tables import PlannedActions, Point, Record, Revision, Table, Track, Words, thinned
-from rosoclingo.runs.sent_returns import SentReturns
 from rosoclingo.runs.sentences import Sentences, sentences_of
 from rosoclingo.runs.topic_atoms import action_in, return_in
 
@@ -127,7 +128,6 @@ class RunView:
         self.dispatched_actions: List[str] = []
         self._actions = ActionRecords(self.tables["actions"], self._planned_actions)
         self._run = ""
-        self._sent_returns = SentReturns()
         self._start: Optional[float] = None
         self._wall: Optional[Tuple[float, float]] = None
         self.seconds = 0.0
@@ -164,7 +164,6 @@ class RunView:
         if self._run and run != self._run:
             self._cycles, self._sent = {}, set()
             self._actions.forget()
-            self._sent_returns = SentReturns()
             self.describe(run=self.about["run"] + 1)
             for key in [key for key, number in self._goals.items() if self.tables["goals"][number]["ended"] is None]:
                 self._state((self._start or 0.0) + self.seconds, key, LOST, "the core was restarted")
@@ -440,9 +439,11 @@ class RunView:
 
     def _sources(self, update: StreamUpdate) -> Set[str]:
         """Return the requests and returns in an update, which other topics publish first."""
-        requests = [one.arguments[0] for one in update.heads if one is not None and is_keyword(one, REQUEST)]
+        heads = [one for one in update.heads if one is not None]
+        requests = [one.arguments[0] for one in heads if is_keyword(one, REQUEST)]
         goals = {str(one) for one in requests if not is_keyword(one, "cancel")}
-        return goals | {str(one.atom) for one in self._sent_returns.of(update)}
+        answers = (return_of(one) for one in heads if is_keyword(one, RETURN))
+        return goals | {str(self._actions.as_sent(one).atom) for one in answers}
 
     def _state(self, time: float, key: str, word: str, message: str) -> bool:
         """Record a goal's status if it has changed; return whether it has."""

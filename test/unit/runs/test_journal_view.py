@@ -1,13 +1,17 @@
 """A core's journal on a page: goals, cycles, actions and times of the run, and the missing parts."""
 
+from itertools import count
+
 import pytest
 from journal_runs import GOALS, LASTS, play
 from shipped import shipped
+from team_programs import TEAM
 
-from rosoclingo.oclingo import parse_update
+from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.journal_run import LACKS, journal_view
+from rosoclingo.runs.journal_run import LACKS, journal_run, journal_view
+from rosoclingo.runs.replay import CycleVerdict, Replay
 
 
 def records(view, name):
@@ -68,3 +72,26 @@ def test_journal_view_of_rewritten_journal_begins_with_open_goals(late):
     word = view.changes()["words"][records(view, "actions")[-1]["action"]][1]
     assert (word["interface"], word["cycle"]) == (last.interface_name, last.cycle)
     assert all(goal["ended"] is not None for goal in records(view, "goals"))
+
+
+@pytest.mark.slow
+def test_journal_view_ends_each_long_action_once(tmp_path):
+    program, goals = ReactiveProgram.from_text(TEAM), [("a", "job(saw,1)"), ("b", "job(drill,2)"), ("c", "job(saw,3)")]
+    turns = count()
+    path, _ = play(tmp_path, program, goals, cancel_at=99, ends=lambda awaited: awaited[next(turns) < 4 :])
+    changes = journal_view(path).changes()
+    records = [record for _, record in changes["actions"]]
+    names = [changes["words"][one["action"]][1] for one in records]
+    assert [(one["interface"], one["parameter"]) for one in names] == [
+        ("saw", "1"),
+        ("drill", "2"),
+        ("saw", "3"),
+        ("saw", "3"),
+    ]
+    assert [one["value"] for one in records] == ["1", "2", "blocked", "3"]
+    assert [round(one["ended"] - one["begun"], 1) for one in records][1:] == [LASTS, LASTS, LASTS]
+    assert records[0]["ended"] == max(one["ended"] for one in records)
+    returns = [one["text"] for _, one in changes["log"] if one["kind"] == "return"]
+    assert sorted(returns) == ["drill 2: done", "saw 1: done", "saw 3: blocked", "saw 3: done"]
+    reports = list(Replay(journal_run(path), program).reports())
+    assert {one.verdict for one in reports} == {CycleVerdict.SAME}

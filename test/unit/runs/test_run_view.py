@@ -301,3 +301,25 @@ def test_long_path_has_few_poses_and_its_length():
     assert recorded[:POSES] == list(range(POSES))
     assert len(recorded) == 3 * POSES
     assert track.metres == pytest.approx(0.06 * (7 * POSES - 1))
+
+
+@pytest.mark.parametrize(
+    ("sent", "earlier", "fed", "answer"),
+    [
+        (["saw,1,1"], [], "saw,1,1", "saw,1,1"),
+        (["saw,1,1"], [], "saw,1,2", "saw,1,1"),
+        (["saw,1,1"], [], "saw,worn,3", "saw,worn,1"),
+        (["saw,1,1", "saw,2,2"], [], "saw,1,3", "saw,1,1"),
+        (["saw,1,1", "saw,2,2"], ["saw,2,2"], "saw,worn,3", "saw,worn,1"),
+        (["saw,1,1", "saw,1,2"], ["saw,worn,1"], "saw,worn,2", "saw,worn,2"),
+        (["saw,1,1", "drill,1,2"], [], "drill,1,3", "drill,1,2"),
+    ],
+)
+def test_view_update_waits_for_returns_of_actions_that_went_on(sent, earlier, fed, answer):
+    view = RunView()
+    view.dispatched(0.0, [f"_action_lib({one})" for one in sent])
+    view.returned(0.0, "shop", [f"_return({one})" for one in earlier])
+    view.update(0.0, f"#step 4. _return({fed}). #endstep.")
+    view.returned(0.0, "shop", [f"_return({answer})"])
+    kinds = [line["kind"] for line in records(view.changes(), "log")]
+    assert kinds == ["return"] * (len(earlier) + 1) + ["update"]
