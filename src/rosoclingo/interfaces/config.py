@@ -1,26 +1,7 @@
 """Read and check the interface entries of config/interfaces.yaml.
 
-An entry with all fields::
-
-    move_base:                           # the first argument of _action_lib(move_base,P,C)
-      server: move_base                  # name of the actionlib server; default: the interface's name
-      type: move_base_msgs/MoveBaseAction
-      goal: {target_pose: $parameter.pose}    # fields of the goal; see templates.py
-      timeout: 120.0                     # seconds of ROS time for one goal, 0 for no limit
-      server_timeout: 5.0                # seconds until a silent server counts as lost
-      pause: 3.0                         # seconds to wait after another client has preempted the goal
-      retries: 0                         # how often a failed goal is sent again ...
-      retry_on: [failed]                 # ... for these reasons only
-      repeatable: false                  # whether repeating the action does no harm
-      done:                              # the message on a topic that shows that the action was done
-        {topic: packages, type: rosoclingo/PackageStates, when: {packages: {id: $parameter, carried: true}}}
-      returns:                           # the first matching rule applies; default: the parameter, or a reason
-        - {status: aborted, text: "(?i)no path", return: blocked, facts: ["blocked(${parameter},${cycle})"]}
-        - {status: aborted, when: {outcome: 3}, return: not_here}
-        - {status: aborted, when: {outcome: 4}, success: true}  # counts as done: the parameter is returned
-
-A name with variables, arguments that begin with a capital, stands for several entries, one for each value. Texts of the
-entry contain the value as ``{R}``::
+doc/interfaces.md describes the format. A name with variables, arguments that begin with a capital, stands for several
+entries, one for each value. Texts of the entry contain the value as ``{R}``::
 
     move_base(R): {server: "/{R}/move_base", type: move_base_msgs/MoveBaseAction, goal: {target_pose: $parameter.pose}}
 """

@@ -1,17 +1,8 @@
 """Templates: fill fields of a goal and terms of an answer from an action and its end.  No ROS.
 
-A text that is a single reference stands for the value itself; other texts can contain references in braces:
-
-    $parameter         the parameter P of `_action_lib(A,P,C)`
-    $1, $2.1           its first argument, the first argument of its second argument ($1 of a constant is itself)
-    $parameter.pose    the label that this term names: .pose .x .y .yaw .frame; also $1.pose and so on
-    $cycle, $now       the cycle C, the ROS time at which the goal is sent
-    $status, $text     the goal's terminal status, and the server's status text (only in answers)
-    $result.field      a field of the result (only in answers)
-    box_${1}           text with the value of $1 in it;  $$ is a dollar sign
-
-Where the text is an ASP term or atom (`fill_term`), a reference in braces stands for one term.  Within double quotes it
-stands for any characters of an ASP string: `heard("${text}",now)`.
+doc/interfaces.md lists the references. A text that is a single reference stands for the value itself; other texts can
+contain references in braces. Where the text is an ASP term or atom (`fill_term`), a reference in braces stands for one
+term.  Within double quotes it stands for any characters of an ASP string: `heard("${text}",now)`.
 """
 
 import re

@@ -1,21 +1,7 @@
 """Order forms of a page: kinds of goals and of facts with their choices, declared in YAML.
 
-    orders:
-      - title: Deliver a package
-        goal: "goal({from},{to},{package})"
-        choices: {package: packages, from: place of package, to: labels}
-      - title: A door is open again
-        fact: "_opened({room},now)"
-        choices: {room: [kitchen, study]}
-
-A choice is one of these:
-
-* a list of terms;
-* ``labels``: all labels with a pose;
-* ``packages``: all packages at a known place;
-* ``place of NAME``: the place of the package that was chosen as NAME, which is not a field of the form.
-
-The places of one order differ: a label chosen from ``labels`` cannot be another place of the order.
+doc/web_page.md describes the format. The places of one order differ: a label chosen from ``labels`` cannot be another
+place of the order.
 """
 
 import re

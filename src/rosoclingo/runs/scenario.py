@@ -1,35 +1,6 @@
 """Scenarios: timed events of clients, initial places of packages, and the expected end.
 
-An example::
-
-    title: The case study of the paper
-    packages: {1: office3, 2: office3}
-    events:
-      - {time: 1.0, request: "goal(office3,office2,1)"}
-      - {cycle: 2, cancel: 1}
-      - {cycle: 3, delay: 0.5, request: "goal(office3,office4,2)", client: second}
-      - {cycle: 5, call: simulator/set_door, with: {door: corridor, open: false}}
-    expect:
-      goals: [canceled, succeeded]
-      packages: {1: office3, 2: office4}
-      robot: office4
-      actions: ["_action_lib(move_base,office2,1)"]
-
-An event happens ``time`` simulated seconds after the start of the scenario, or ``delay`` seconds after the plan of
-``cycle`` is published. Cycles count from the start of the scenario, also in expected ``actions``: cycle 1 is the cycle
-of the scenario's first update, and the time before it. An event whose cycle never begins is a fault. The verbs are:
-
-* ``request`` sends a goal;
-* ``cancel`` cancels the latest goal with this identifier;
-* ``facts`` sends facts as the interface ``origin``;
-* ``call`` calls a service with the fields of its request, for instance to close a door.
-
-``launch`` names the launch file that starts the scenario's world (mailbot), ``servers`` the action servers that have to
-be up before it begins (move_base, pickup, deliver), and ``timeout`` limits the whole scenario, in simulated seconds.
-
-``robot`` is a label of the core's ``~labels``, by ``base_pose_ground_truth``, tf or ``amcl_pose``; without a pose it is
-the place that the program shows. ``robots`` has the labels of several robots by name. ``packages`` come from the topic
-``packages``, else from the shown things.
+doc/scenarios.md describes the format.
 """
 
 from dataclasses import dataclass, field
