@@ -10,7 +10,9 @@ from kept_node import KeptCore
 from rosoclingo.reasoning.journal.database import Header
 from rosoclingo.reasoning.journal.folder import Journal
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.recorded_run import RunProgram
+from rosoclingo.runs.journal_run import read_journal
+from rosoclingo.runs.recorded_run import RunCollector, RunProgram
+from rosoclingo.runs.run_view import RunView
 
 GOALS = [("a", "goal(office3,office2,1)"), ("b", "goal(office2,office4,2)"), ("c", "goal(office1,office3,3)")]
 
@@ -55,3 +57,19 @@ def changed(file, to, statement):
     with closing(sqlite3.connect(str(to))) as db, db:
         db.execute(statement)
     return to
+
+
+def journal_run(file):
+    """Return the run in a journal."""
+    collector = RunCollector()
+    read_journal(file, collector)
+    (run,) = collector.runs()
+    return run
+
+
+def journal_view(file):
+    """Return the view of the run in a journal."""
+    view = RunView()
+    read_journal(file, view)
+    view.finish()
+    return view

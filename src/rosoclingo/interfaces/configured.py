@@ -20,7 +20,7 @@ from rosoclingo.reasoning.keywords import Action
 
 
 class ConfiguredInterface(Interface):
-    """An interface described by an InterfaceSpec (see config.py for its fields, templates.py for the templates).
+    """An interface described by an InterfaceSpec (see doc/interfaces.md).
 
     Check the types of the entry with :func:`type_faults` first; a type that cannot be loaded raises ConfigError.
     Topics and returns are those of Interface.

@@ -6,7 +6,7 @@ messages of other nodes, such as the robot's pose.
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, FrozenSet, Iterator, List, Mapping, Optional, Set, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
 from rosoclingo.oclingo import Statement, StreamUpdate
 from rosoclingo.oclingo.progression.updates import Reset
@@ -20,11 +20,8 @@ from rosoclingo.reasoning.recorded_history import RecordedHistory
 from rosoclingo.reasoning.records import Record, codec, group
 from rosoclingo.reasoning.returns import Dispatch
 from rosoclingo.runs.events import GoalReport
-from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
-from rosoclingo.runs.run_view import RunEvents, RunView
-
-#: A page's notes about missing data.
-LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
+from rosoclingo.runs.recorded_run import RecordingError, RunProgram
+from rosoclingo.runs.run_view import RunEvents
 
 #: The sender of facts in an update.
 SOMEBODY = "an interface"
@@ -36,54 +33,19 @@ _read_plan, _read_client = codec(TaskPlan).decode, codec(ClientGoal).decode
 _read_actions, _read_dispatches = codec(FrozenSet[Action]).decode, codec(List[Dispatch]).decode
 
 
-def journal_run(file: Path) -> RecordedRun:
-    """Return the run in a journal; raises RecordingError with a damaged record, and OSError."""
-    header, moments = _history(file)
-    first = next(moments)
-    start = RecordedHistory()
-    start.restore(first.state)
-    collector = RunCollector(None if start.history.entry is None else start.history, _latest(first.state))
-    reader = _Reader(collector, header)
-    reader.take(first)
-    for moment in moments:
-        reader.take(moment)
-    if not reader.has_update:
-        words = "no cycle has begun since the last checkpoint, so there is nothing to replay yet"
-        raise RecordingError(f"{file}: {words}")
-    return collector.runs()[0]
-
-
-def journal_view(file: Path, about: Optional[Mapping[str, Any]] = None) -> RunView:
-    """Return the view of the run in a journal; ``about`` has further texts of the page.
-
-    Raises RecordingError with a damaged record, and OSError.
-    """
-    header, moments = _history(file)
-    view = RunView(about)
-    reader = _Reader(view, header)
-    for moment in moments:
-        reader.take(moment)
-    view.finish()
-    first = f"it begins with cycle {reader.first}" if reader.first > 1 else ""
-    view.describe(lacks="; ".join(filter(None, [LACKS, first])))
-    return view
-
-
-def _history(file: Path) -> Tuple[Header, Iterator[Moment]]:
+def read_journal(file: Path, events: RunEvents) -> None:
+    """Pass the events of the run in a journal to ``events``; raises RecordingError for a damaged one, and OSError."""
     try:
-        return history(file)
+        header, moments = history(file)
     except JournalError as error:
         raise RecordingError(f"{file}: {error}; take another copy of the journal") from None
+    reader = _Reader(events, header)
+    for moment in moments:
+        reader.take(moment)
 
 
 class _Reader:
-    """Reports the events between successive states.
-
-    Attributes:
-        first: the cycle of the first state, 0 before that.
-        has_update: whether a cycle has begun since the first state.
-
-    """
+    """Reports the events between successive states."""
 
     def __init__(self, events: RunEvents, header: Header) -> None:
         """Report to ``events``, beginning with the program; raises RecordingError."""
@@ -93,9 +55,9 @@ class _Reader:
         self._returns: Set[str] = set()
         self._entries: Set[str] = set()  # names of the log's entries
         self._updates: List[StreamUpdate] = []  # updates since the beginning of the last cycle
-        self._cycle = 0  # of the last accepted update
+        self._cycle = -1  # of the last accepted update, -1 before the first state
+        self._has_update = False  # whether a cycle has begun since the first state
         self._plan: object = None  # of that cycle
-        self.first, self.has_update = 0, False
         if header.description:
             program = replace(RunProgram.parse(header.description), run=header.run)
             events.program(0.0, program.text())
@@ -110,8 +72,10 @@ class _Reader:
         dispatches: List[Dispatch] = _read_dispatches(state["execution:dispatches"])
         sent = [action for one in dispatches for action in one.actions]
         self._arrivals(time, found)
-        if not self.first:
-            self.first, self._cycle = max(1, state["core:step"]), _latest(state)
+        if self._cycle < 0:
+            self._cycle, start = _latest(state), RecordedHistory()
+            start.restore(state)
+            self._events.resume(start.history, self._cycle)
             self._entries.update(group(state, "log"))
         ended = sorted(_read_actions(state["preemption:found"]))
         self._events.dispatched(time, [*(str(one.atom) for one in sent), *(str(one.cancellation) for one in ended)])
@@ -128,7 +92,7 @@ class _Reader:
         new = {key: client for key, client in found.items() if key not in self._clients}
         for key, client in new.items():
             stamp = client.stamp[0] + 1e-9 * client.stamp[1]
-            earlier = not self.first and 0.0 < stamp < time
+            earlier = self._cycle < 0 and 0.0 < stamp < time
             self._events.goals(stamp if earlier else time, [GoalReport(key, client.text, GoalState.PENDING.number, "")])
         for key, client in found.items():
             if client.cancelled and (key in new or not self._clients[key].cancelled):
@@ -149,7 +113,7 @@ class _Reader:
             for update in self._effective_updates():
                 self._returned(time, _facts(update))
                 self._events.update(time, str(update))
-            self._cycle, self._updates, self._plan, self.has_update = _latest(state), [], None, True
+            self._cycle, self._updates, self._plan, self._has_update = _latest(state), [], None, True
 
     def _effective_updates(self) -> List[StreamUpdate]:
         """Return the last update of each step, or all updates from the last restart of the program on."""
@@ -161,7 +125,7 @@ class _Reader:
     def _decided(self, time: float, state: Record) -> None:
         """Report a new plan, with the horizon of the adopted plan or of the last search."""
         plan, step = state["core:plan"], state["core:step"]
-        if plan in (None, self._plan) or (self.has_update and step != self._cycle):  # the core has dropped an update
+        if plan in (None, self._plan) or (self._has_update and step != self._cycle):  # the core has dropped an update
             return
         self._plan = plan
         actions = [str(one.atom) for one in _read_plan(plan).actions if one.cycle >= step]

@@ -186,22 +186,18 @@ class RunCollector:
     Each topic is in order, but different topics have no common order. A restarted core begins another run.
     """
 
-    def __init__(self, start: Optional[History] = None, latest: int = 0) -> None:
-        """Begin before the first cycle, or with a history after the update of the cycle ``latest``."""
+    def __init__(self) -> None:
         self._runs: List[RecordedRun] = []
-        if start is not None:
-            self._begin(RecordedRun(start=start), latest)
+        self._begin()
 
-    def _begin(self, run: RecordedRun, latest: int = 0) -> None:
-        self._runs.append(run)
-        self._latest = latest  # the cycle of its last update
+    def _begin(self, program: Optional[RunProgram] = None) -> None:
+        self._runs.append(RecordedRun(program))
+        self._latest = 0  # the cycle of its last update
         self._cycles: Dict[int, RecordedCycle] = {}
         self._leading: List[StreamUpdate] = []  # updates of a restarted program, up to the present cycle
 
     def _at(self, cycle: int) -> RecordedCycle:
         """Return the record of a cycle of the last run."""
-        if not self._runs:
-            self._begin(RecordedRun())
         if cycle not in self._cycles:
             self._cycles[cycle] = RecordedCycle(cycle)
             self._runs[-1].cycles.append(self._cycles[cycle])
@@ -209,12 +205,16 @@ class RunCollector:
 
     def program(self, time: float, text: str) -> None:
         """Add the program of a core."""
-        found = RunProgram.parse(text)
-        last = self._runs[-1] if self._runs else None
-        if last is not None and last.program is None and (last.start is not None or not self._latest):
+        found, last = RunProgram.parse(text), self._runs[-1]
+        if last.program is None and not self._latest:
             last.program = found
-        elif last is None or last.program is None or last.program.run != found.run:
-            self._begin(RecordedRun(found))
+        elif last.program is None or last.program.run != found.run:
+            self._begin(found)
+
+    def resume(self, history: History, cycle: int) -> None:
+        """Begin the run with the solver's history after the update of a cycle."""
+        if history.entry is not None:
+            self._runs[-1].start, self._latest = history, cycle
 
     def update(self, time: float, text: str) -> None:
         """Add an accepted update; a restarted program repeats earlier cycles in a few updates."""
@@ -223,8 +223,8 @@ class RunCollector:
         except OclingoError as error:
             raise RecordingError(f"an update is damaged: {error}; take another copy of the recording") from None
         step = update.step or 1
-        if not self._runs or (update.step == 1 and self._latest and Reset() not in update.items):
-            self._begin(RecordedRun())
+        if update.step == 1 and self._latest and Reset() not in update.items:
+            self._begin()
         self._leading.append(update)
         if step > self._latest:
             self._latest = step
@@ -254,8 +254,7 @@ class RunCollector:
 
     def problem(self, time: float, cycle: int, text: str) -> None:
         """Add a problem from the core's log."""
-        if self._runs:
-            self._at(cycle).problems.append(text)
+        self._at(cycle).problems.append(text)
 
     def _ignore(self, *_event: Any) -> None:
         """Ignore an event that does not affect decisions."""
@@ -269,7 +268,8 @@ class RunCollector:
             _check(run)
         found = [run for run in self._runs if run.cycles]
         if not found:
-            raise RecordingError("it has no update of a core: there was no request, or the recorder was not connected")
+            why = "there was no request, or the recorder was not connected"
+            raise RecordingError(f"it has no update of a core, so there is nothing to replay yet: {why}")
         return found
 
 

@@ -10,6 +10,7 @@ from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Optional, Se
 
 from rosoclingo.common.labels import LabelError, LabelTable
 from rosoclingo.oclingo import OclingoError, ProgressionError, StreamUpdate, parse_term, parse_update
+from rosoclingo.planning.history import History
 from rosoclingo.reasoning.keywords import (
     ACTION_LIB,
     CANCEL_ACTION,
@@ -60,6 +61,9 @@ LOST = "lost"
 
 #: Beliefs that other log lines report.
 _REPORTED = (ACTION_LIB + "(", STATUS + "(")
+
+#: A page's note about the parts of a run that a journal lacks.
+LACKS = "a journal has no poses, map or packages, no lines of the core's log and no times of the solver"
 
 #: Limit of records of all tables together, above which a live page begins again with the present state.
 MOST = 50000
@@ -158,6 +162,10 @@ class RunView:
             beliefs.add(time=0.0, cycle=1, atoms=[], shapes=shapes)
         elif beliefs.last["shapes"] != shapes:
             beliefs.change(len(beliefs) - 1)["shapes"] = shapes
+
+    def resume(self, _history: History, cycle: int) -> None:
+        """Begin with a journal, after the update of a cycle."""
+        self.describe(lacks=f"{LACKS}; it begins with cycle {cycle}" if cycle > 1 else LACKS)
 
     def begin(self, run: str) -> None:
         """Record the id of the core's run; a new run starts with cycle 1 again."""

@@ -1,11 +1,10 @@
 """A core's journal as a recorded run: it has the published messages and decisions, and is solved again."""
 
 import pytest
-from journal_runs import changed
+from journal_runs import changed, journal_run
 from shipped import shipped
 
 from rosoclingo.reasoning.events import ActionsDispatched, UpdateSent
-from rosoclingo.runs.journal_run import journal_run
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.replay import AGREEING, Replay
 

@@ -3,15 +3,15 @@
 from itertools import count
 
 import pytest
-from journal_runs import GOALS, LASTS, play
+from journal_runs import GOALS, LASTS, journal_run, journal_view, play
 from shipped import shipped
 from team_programs import TEAM
 
 from rosoclingo.oclingo import ReactiveProgram, parse_update
 from rosoclingo.reasoning.events import ActionsDispatched, PlanMade, UpdateSent
 from rosoclingo.reasoning.settings import CoreSettings
-from rosoclingo.runs.journal_run import LACKS, journal_run, journal_view
 from rosoclingo.runs.replay import CycleVerdict, Replay
+from rosoclingo.runs.run_view import LACKS
 
 
 def records(view, name):
@@ -21,8 +21,8 @@ def records(view, name):
 @pytest.mark.slow
 def test_journal_view_shows_the_published_run(whole):
     file, published = whole
-    view = journal_view(file, {"title": "A journal"})
-    assert (view.about["title"], view.about["lacks"], view.about["run"]) == ("A journal", LACKS, 1)
+    view = journal_view(file)
+    assert (view.about["lacks"], view.about["run"]) == (LACKS, 1)
     assert view.about["labels"] == {"office1": [1.0, 2.0, 0.0], "office2": [5.0, 2.0, 1.5]}
     goals = {goal["id"]: goal for goal in records(view, "goals")}
     assert [(key, goal["request"], goal["sent"]) for key, goal in goals.items()] == [

@@ -2,13 +2,13 @@
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Collection, Iterator, List, Optional, Set
+from typing import Collection, Iterator, Optional, Set
 
 import rosbag
 
 from rosoclingo.nodes.pose_topics import EXACT
 from rosoclingo.nodes.run_topics import RunTopics
-from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector
+from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.run_view import RunEvents
 
 #: The topics of a replay, with names for :func:`full_name`.
@@ -16,16 +16,6 @@ REPLAYED = ("~program", "~updates", "~task_plan", "out_rosoclingo", "/rosout")
 
 #: Topics that several robots can share at the root.
 SHARED = ("map", "packages", "record/wall_time")
-
-
-def bag_runs(path: Path, core: Optional[str] = None) -> List[RecordedRun]:
-    """Return the runs of the core in a bag, of ``core`` if the bag has several; raises RecordingError."""
-    collector = RunCollector()
-    read_bag(path, core, collector, REPLAYED)
-    try:
-        return collector.runs()
-    except RecordingError as error:
-        raise RecordingError(f"{path}: {error}") from None
 
 
 def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[Collection[str]] = None) -> None:
