@@ -61,7 +61,7 @@ class ScenarioPlayerTest(unittest.TestCase):
 
         def go_on():
             self.tick()
-            cycle = max(player.account.begun, default=0)
+            cycle = max(player.begun, default=0)
             if said == ["first"] and cycle < 10 and cycle + 1 == peek[0]:
                 updates.publish(f"#step {peek[0]}.\n_seen(ball).\n#end step.\n")
                 plans.publish(cycle=peek[0])
@@ -69,14 +69,14 @@ class ScenarioPlayerTest(unittest.TestCase):
 
         peek = [next(cycles)]
         player = ScenarioPlayer(read(text), [], print, go_on)
-        player.wait_until(lambda: 7 in player.account.begun, 60.0, lambda: "no plan")
+        player.wait_until(lambda: 7 in player.begun, 60.0, lambda: "no plan")
         wait_until(
             lambda: inlet.get_num_connections() > 0, "the player's facts to be heard"
         )  # rospy counts it last here
         wait_until(lambda: updates.get_num_connections() > 0, "the player to hear of updates")
         player.play()
         wait_until(lambda: said == ["first", "third"], "the facts")
-        self.assertEqual((player.account.before, max(player.account.begun)), (7, 10))
+        self.assertEqual((player.before, max(player.begun)), (7, 10))
         for one in (facts, inlet, plans, updates):
             one.unregister()
 

@@ -7,10 +7,9 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 
 import rospkg
 
-from rosoclingo.nodes.recording.bag_reader import read_bag
+from rosoclingo.nodes.recording.bag_reader import read_recording
 from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
-from rosoclingo.reasoning.journal.database import file_of, is_journal
-from rosoclingo.runs.journal_run import read_journal
+from rosoclingo.reasoning.journal.database import file_of
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.report_page import report_page
 from rosoclingo.runs.run_view import RunView
@@ -38,11 +37,8 @@ def write_report(run: Path, to: Path, core: Optional[str] = None, about: Optiona
     end.
     """
     about = {"title": run.stem, "source": run.name, **(about or {})}
-    view, file = RunView(about), file_of(run)
-    if is_journal(file):
-        read_journal(file, view)
-    else:
-        read_bag(run, core, view)
+    view = RunView(about)
+    read_recording(run, core, view)
     view.finish()
     to.write_text(report_page(view.changes(), web()), encoding="utf-8")
 

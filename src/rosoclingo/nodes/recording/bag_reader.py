@@ -8,6 +8,7 @@ import rosbag
 
 from rosoclingo.nodes.pose_topics import EXACT
 from rosoclingo.nodes.run_topics import RunTopics
+from rosoclingo.reasoning.journal.database import file_of, is_journal
 from rosoclingo.runs.recorded_run import RecordingError
 from rosoclingo.runs.run_view import RunEvents
 
@@ -41,6 +42,16 @@ def read_bag(path: Path, core: Optional[str], events: RunEvents, only: Optional[
 def _found(name: str, topic: str, topics: Set[str]) -> str:
     """Return the name of a topic in a bag: a shared topic can be at the root."""
     return f"/{name}" if name in SHARED and topic not in topics else topic
+
+
+def read_recording(path: Path, core: Optional[str], events: RunEvents, only: Optional[Collection[str]] = None) -> None:
+    """Pass the events of a bag, see :func:`read_bag`, or of a journal; raises RecordingError, OSError."""
+    if is_journal(file_of(path)):
+        from rosoclingo.runs.journal_run import read_journal  # noqa: PLC0415 loads the core, which a bag does not need
+
+        read_journal(file_of(path), events)
+    else:
+        read_bag(path, core, events, only)
 
 
 @contextmanager

@@ -6,13 +6,11 @@ import sys
 from pathlib import Path
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from rosoclingo.nodes.recording.bag_reader import REPLAYED, read_bag
+from rosoclingo.nodes.recording.bag_reader import REPLAYED, read_recording
 from rosoclingo.oclingo import ProgramError, ReactiveProgram
 from rosoclingo.oclingo.broken_pipe import exits_on_broken_pipe
 from rosoclingo.oclingo.service.arguments import duration, positive
 from rosoclingo.oclingo.service.table import format_answer
-from rosoclingo.reasoning.journal.database import file_of, is_journal
-from rosoclingo.runs.journal_run import read_journal
 from rosoclingo.runs.recorded_run import RecordedRun, RecordingError, RunCollector, RunProgram
 from rosoclingo.runs.replay import AGREEING, CycleReport, CycleVerdict, Replay, Shown, summary
 
@@ -93,11 +91,8 @@ def main(arguments: Optional[Sequence[str]] = None, say: Say = print) -> int:
 
 def _read(path: Path, core: Optional[str]) -> List[RecordedRun]:
     """Return the runs in a bag or a journal; raises RecordingError, OSError."""
-    collector, file = RunCollector(), file_of(path)
-    if is_journal(file):
-        read_journal(file, collector)
-    else:
-        read_bag(path, core, collector, REPLAYED)
+    collector = RunCollector()
+    read_recording(path, core, collector, REPLAYED)
     try:
         return collector.runs()
     except RecordingError as error:

@@ -1,10 +1,9 @@
 """Plays a scenario: sends goals, cancels and facts, and waits until all goals have ended."""
 
-import math
 import time
 from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 
 import genpy
 import rospy
@@ -14,7 +13,6 @@ from clingo import Symbol
 
 from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.core_connection import CoreConnection
-from rosoclingo.oclingo import OclingoError, parse_update
 from rosoclingo.reasoning.goals import GoalError, read_goal
 from rosoclingo.runs.account import Account
 from rosoclingo.runs.orders import OrderError
@@ -39,60 +37,13 @@ class PlayError(RuntimeError):
     """A scenario that could not be played to its end; the text has the reason."""
 
 
-class PlayedRun(Account):
-    """The account of a run in which a scenario is played, with the cycles of the core and of the scenario.
-
-    Attributes:
-        begun: the times of the core's cycles, by their first plans.
-        plans: the number of plans.
-        before: the number of the core's cycles before the scenario's first update, which starts its cycle 1; None until
-            that update has arrived.
-
-    """
-
-    def __init__(self, say: Callable[[str], None]) -> None:
-        super().__init__(say)
-        self.begun: Dict[int, float] = {}
-        self.plans = 0
-        self.before: Optional[int] = None
-        self._opening = math.inf  # when the scenario begins
-
-    def begin_scenario(self, time: float) -> None:
-        """Begin the scenario."""
-        self._opening, self.before = time, None
-        self.begun = dict.fromkeys(self.begun, time)
-
-    def plan(
-        self, time: float, cycle: int, horizon: int, actions: Sequence[str], times: Optional[Tuple[float, float]] = None
-    ) -> None:
-        """Record a plan."""
-        super().plan(time, cycle, horizon, actions, times)
-        self.begun.setdefault(cycle, time)
-        self.plans += 1
-
-    def update(self, time: float, text: str) -> None:
-        """Record an accepted stream update."""
-        super().update(time, text)
-        if self.before is None and time >= self._opening:
-            with suppress(OclingoError):
-                step = parse_update(text).step
-                self.before = None if step is None else step - 1
-
-    @property
-    def cycles(self) -> Dict[int, float]:
-        """The scenario's cycles, each with the seconds from the scenario's beginning until it began."""
-        found: Dict[int, float] = {}
-        for cycle, moment in sorted(self.begun.items()):
-            found.setdefault(1 if self.before is None else max(1, cycle - self.before), moment - self._opening)
-        return found
-
-
 class ScenarioPlayer:
     """Plays one scenario against a running system.
 
     Attributes:
         account: the account of the run, which is printed meanwhile.
         goals: the goals of the scenario by actionlib's ids; goals of an earlier scenario can end in the same account.
+        begun: the times at which the core's cycles began, by their first plans.
 
     Subscribes:
         NAME/status (actionlib_msgs/GoalStatusArray): of each required action server in ``wait_for``.
@@ -116,7 +67,7 @@ class ScenarioPlayer:
         self._scenario = scenario
         self._say = say
         self._check = check
-        self.account = PlayedRun(say)
+        self.account = Account(say)
         self._node = AccountNode(self.account)
         self._core = rospy.resolve_name(USUAL)
         self._connection = CoreConnection(partial(full_name, core=self._core))
@@ -124,6 +75,9 @@ class ScenarioPlayer:
         for name in wait_for:
             rospy.Subscriber(name + "/status", GoalStatusArray, self._on_status, callback_args=name)
         self.goals: Dict[str, str] = {}
+        self.begun: Dict[int, float] = {}
+        self._opening = 0.0  # when the scenario began
+        self._earlier: Set[int] = set()  # the core's cycles with updates before that
 
     def prepare(self, timeout: float) -> None:
         """Wait for ROS time and all servers, each at most ``timeout`` seconds of wall time; place the packages.
@@ -136,7 +90,7 @@ class ScenarioPlayer:
         self.wait_until(
             lambda: not self._missing, timeout, lambda: "no action server {}".format(", ".join(self._missing))
         )
-        self.wait_until(lambda: bool(self.account.begun), timeout, lambda: "no plan on rosoclingo/task_plan")
+        self.wait_until(lambda: bool(self.begun), timeout, lambda: "no plan on rosoclingo/task_plan")
         server = f"no action server {USUAL}"
         self.wait_until(lambda: self._connection.is_connected_to(self._core), timeout, lambda: server)
         self.wait_until(lambda: self._node.connected, timeout, lambda: "no connection to the core's topics")
@@ -149,7 +103,7 @@ class ScenarioPlayer:
 
     def differences(self) -> List[str]:
         """Return the differences of the run from the scenario's expectations."""
-        return self.account.differences(self._scenario.expect, self.account.before or 0, self.goals)
+        return self.account.differences(self._scenario.expect, self.before or 0, self.goals)
 
     def play(self) -> None:
         """Play all events and wait until each goal has ended; raises PlayError after the scenario's timeout.
@@ -157,22 +111,22 @@ class ScenarioPlayer:
         Topics arrive independently: the expected end can be at most LATE_NEWS seconds later.
         """
         waiting = list(self._scenario.events)
-        start = rospy.get_time()
-        self.account.begin_scenario(start)
+        self._turn()
+        self._opening, self._earlier = rospy.get_time(), self._cycles_with("updates")
         clock, quiet = _Unchanged(), _Unchanged()
         while waiting or self._open_goals:
-            elapsed = rospy.get_time() - start
+            elapsed = rospy.get_time() - self._opening
             if rospy.is_shutdown():
                 raise PlayError("shut down before the scenario's end")
             if elapsed > self._scenario.timeout:
                 raise PlayError(f"not done after {elapsed:g} s: {self._open(waiting)}")
             if clock.lasts(rospy.get_time()).wall > STILL:
                 raise PlayError(f"time has stood still for {STILL:g} s: is the simulator paused or gone?")
-            for event in [one for one in waiting if one.due(elapsed, self.account.cycles)]:
+            for event in [one for one in waiting if one.due(elapsed, self.cycles)]:
                 waiting.remove(event)
                 self._do(event)
             idle = self._awaits_a_cycle(waiting)
-            if min(quiet.lasts((idle, self.account.plans, len(waiting)))) > QUIET and idle:
+            if min(quiet.lasts((idle, len(self.begun), len(waiting)))) > QUIET and idle:
                 raise PlayError(
                     f"never happened: {self._open(waiting)}; all goals have ended in cycle {self._reached} of the "
                     f"scenario, and no further cycle began within {QUIET:g} s"
@@ -182,9 +136,29 @@ class ScenarioPlayer:
             self.wait_until(lambda: not self.differences(), LATE_NEWS, lambda: "not as expected")
 
     @property
+    def before(self) -> Optional[int]:
+        """The number of the core's cycles before the scenario's first update; None before that update."""
+        cycles = self._cycles_with("updates") - self._earlier
+        return min(cycles) - 1 if cycles else None
+
+    @property
+    def cycles(self) -> Dict[int, float]:
+        """The scenario's cycles, each with the seconds from the scenario's beginning until it began."""
+        found: Dict[int, float] = {}
+        before = self.before
+        for cycle, moment in sorted(self.begun.items()):
+            number = 1 if before is None else max(1, cycle - before)
+            found.setdefault(number, max(0.0, moment - self._opening))
+        return found
+
+    def _cycles_with(self, part: str) -> Set[int]:
+        """Return the core's cycles with ``updates`` or ``plans``."""
+        return {one["cycle"] for one in self.account.tables["cycles"] if one[part]}
+
+    @property
     def _reached(self) -> int:
         """The latest cycle, counted in the scenario."""
-        return max(self.account.cycles, default=1)
+        return max(self.cycles, default=1)
 
     def _awaits_a_cycle(self, waiting: List[ScenarioEvent]) -> bool:
         """Return whether no goal is open, and all remaining events wait for later cycles."""
@@ -198,6 +172,8 @@ class ScenarioPlayer:
     def _turn(self) -> None:
         self._check()
         self._node.tick(_TURN)
+        for cycle in self._cycles_with("plans"):
+            self.begun.setdefault(cycle, rospy.get_time())
 
     def _open(self, waiting: List[ScenarioEvent]) -> str:
         return ", ".join([*map(str, waiting), *self._open_goals])
