@@ -33,7 +33,7 @@ class Served:
         listener.listen()
         listener.setblocking(False)
         self.port = listener.getsockname()[1]
-        self.server = PageServer(lambda: self.view, lambda: self.extra, WEB, token, [listener], take)
+        self.server = PageServer(lambda: (self.view, self.extra), WEB, token, [listener], take)
         self.server.start()
 
     @property

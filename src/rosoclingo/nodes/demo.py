@@ -13,6 +13,7 @@ from typing import Callable, Dict, List, Optional
 import rosgraph
 import rospy
 
+from rosoclingo.common.xmlrpc_api import address_of
 from rosoclingo.nodes.pages.report_command import write_report
 from rosoclingo.nodes.recording.bag_file import BagError, repair, unfinished_path
 from rosoclingo.nodes.recording.recorder import RECORDED, is_recording
@@ -52,7 +53,7 @@ class DemoSystem:
             )
         try:
             self.wait_for(rosgraph.is_master_online, "the master")
-            self.wait_for(lambda: bool(_node_uri("/rosoclingo")), "the core")  # by then all parameters are set
+            self.wait_for(lambda: bool(address_of("/rosoclingo")), "the core")  # by then all parameters are set
         except BaseException:
             self.__exit__()
             raise
@@ -145,14 +146,6 @@ def run_folder(name: str) -> Path:
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
     stamp = datetime.now().strftime("%Y-%m-%d-%H-%M-%S")
     return home / "rosoclingo" / f"{Path(name).stem}-{stamp}-{os.getpid()}"
-
-
-def _node_uri(name: str) -> str:
-    """Return the URI of a node from the master; empty if the node is not up yet."""
-    try:
-        return rosgraph.Master("/demo").lookupNode(name)
-    except rosgraph.MasterException:
-        return ""
 
 
 def _free_port() -> int:

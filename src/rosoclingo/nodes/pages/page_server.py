@@ -13,7 +13,7 @@ from collections import deque
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Deque, Dict, Optional, Sequence, Set
+from typing import Any, Callable, Deque, Dict, Optional, Sequence, Set, Tuple
 
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -57,8 +57,8 @@ POLICY = "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-act
 class PageServer:
     """Serves the view of a run; all callbacks run in the server's thread, ``put`` and ``stop`` work from any thread.
 
-    ``look`` is called before each check for changes and returns further data for the page; ``view`` returns the view,
-    which can be replaced. ``sockets`` already listen. ``take`` answers requests of viewers, or returns a function that
+    ``look`` returns the view, which can be replaced, and further data for the page; it is called before each check for
+    changes. ``sockets`` already listen. ``take`` answers requests of viewers, or returns a function that
     waits for the answer in a thread of its own.
 
     Viewers need the ``token``. It is empty for a page on this machine only. Then the page accepts only this machine's
@@ -67,8 +67,7 @@ class PageServer:
 
     def __init__(
         self,
-        view: Callable[[], RunView],
-        look: Callable[[], Dict[str, Any]],
+        look: Callable[[], Tuple[RunView, Dict[str, Any]]],
         web: Path,
         token: str,
         sockets: Sequence[socket.socket],
@@ -77,7 +76,7 @@ class PageServer:
         logging.getLogger("tornado.access").setLevel(logging.ERROR)
         self.proof = _proof(token) if token else ""  # a browser stores it in place of the token
         self.viewers: Set[_Viewer] = set()
-        self._view, self._look, self._web, self.take = view, look, web, take
+        self._look, self._web, self.take = look, web, take
         self.page, policy = live_page(web)
         self.policy = f"{policy}; {POLICY}"
         self._sockets = list(sockets)
@@ -98,7 +97,7 @@ class PageServer:
 
     def report(self) -> str:
         """Return the run so far as a report."""
-        return report_page(self._view().changes(), self._web)
+        return report_page(self._look()[0].changes(), self._web)
 
     def stop(self, timeout: float = 2.0) -> None:
         """Stop the server, and wait for its thread."""
@@ -137,8 +136,7 @@ class PageServer:
 
     def _tick(self) -> None:
         """Send each viewer its changes; skip viewers that have not received the previous message yet."""
-        extra = self._look()  # first, as it can replace the view
-        view = self._view()
+        view, extra = self._look()
         for viewer in self.viewers:
             viewer.send_news(view, extra)
 

@@ -81,7 +81,7 @@ class WebNode:
         self._topics = RunTopics(self._view, rospy.resolve_name("rosoclingo"))
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._scans = ScanFeed(self._on_scan)
-        self._server = PageServer(lambda: self._view, self._look, web(), token, sockets, self._take)
+        self._server = PageServer(self._look, web(), token, sockets, self._take)
         self._desk = OrderDesk(self._forms, CoreConnection(self._topics.full))
         self._health: Dict[str, Tuple[int, str, float]] = {}
         self._server.start()
@@ -110,8 +110,8 @@ class WebNode:
         now = rospy.get_time()
         self._server.put(lambda: self._topics.scan(now, topic, message))
 
-    def _look(self) -> Dict[str, Any]:
-        """Limit the size of the view, and return further data for the page: forms, state and health of the core."""
+    def _look(self) -> Tuple[RunView, Dict[str, Any]]:
+        """Return the view, of limited size, and further data for the page: forms, state and health of the core."""
         self._view.clock(rospy.get_time())
         self._scans.check()
         if self._view.full:
@@ -120,7 +120,7 @@ class WebNode:
         plan = self._subscribers.get("~task_plan")
         core = plan is not None and plan.get_num_connections() > 0
         state = {"core": core, "mode": self._view.mode_word, "health": self._described_health()}
-        return {**state, "orders": self._desk.describe(self._view), "operates": bool(self._forms)}
+        return self._view, {**state, "orders": self._desk.describe(self._view), "operates": bool(self._forms)}
 
     def _take_health(self, message: DiagnosticArray) -> None:
         for one in message.status:
