@@ -48,7 +48,6 @@ IN_TOPIC = "in_rosoclingo"
 DEFAULT_MEMORY = Path(rospkg.get_ros_home(), "rosoclingo", "interfaces")
 
 TICK, IDLE_TICK = 0.05, 1.0  # seconds of wall time between two checks, with and without running actions
-CANCEL_PATIENCE = 1.0  # limit in seconds of wall time for the server to receive the cancels of a shutdown
 
 
 class RefusalError(ValueError):
@@ -306,11 +305,9 @@ class Interface(abc.ABC):
 
     def _shut_down(self) -> None:
         self._settle()  # goals that have ended get their own answers
-        attempts = list(self._attempts.values())
-        for attempt in attempts:
+        for attempt in list(self._attempts.values()):
             attempt.cancelled = True
             self._guarded(functools.partial(self._abort, attempt), attempt)
-        self._link.wait_for_cancels([one.handle for one in attempts if one.handle is not None], CANCEL_PATIENCE)
 
     def _abort(self, attempt: Attempt) -> None:
         self._apply(attempt, attempt.process(ActionEvent.SHUTDOWN, _now()))

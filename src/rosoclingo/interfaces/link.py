@@ -1,11 +1,10 @@
 """The client of one actionlib server: its connection, goals and their progress."""
 
-import threading
 import time
 import uuid
 import weakref
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import rospy
 from actionlib.action_client import ActionClient, ClientGoalHandle, CommState, CommStateMachine, TerminalState
@@ -13,6 +12,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 
 from rosoclingo.common.action_clients import cancel_goal, goal_id
 from rosoclingo.common.connections import close_dead, connected_nodes, readers
+from rosoclingo.common.prompt_publisher import prompt_publisher
 from rosoclingo.interfaces.attempt import CANCELLED, ActionEvent
 from rosoclingo.interfaces.templates import GoalEnd
 
@@ -32,8 +32,6 @@ _ACKNOWLEDGING = (
     CommState.WAITING_FOR_RESULT,
 )
 
-_CANCELLING = (CommState.RECALLING, CommState.PREEMPTING, CommState.WAITING_FOR_RESULT, CommState.DONE)
-
 _OPEN = (GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING, GoalStatus.RECALLING)
 
 
@@ -47,10 +45,12 @@ class ServerLink:
         self._results: OrderedDict[str, Any] = OrderedDict()  # of this node's goals, by id, for goals tracked later
         kind = type(action_type().action_result)
         self._result_sub = rospy.Subscriber(rospy.remap_name(server) + "/result", kind, self._keep)
+        prompt_publisher(
+            rospy.remap_name(server) + "/cancel", GoalID
+        )  # a node that shuts down loses a queue of cancels
         self._client = ActionClient(server, action_type)
         self._down_since: Optional[float] = None
         self._met: Dict[str, float] = {}  # connected servers, and when they count as writing to us
-        self._changed = threading.Condition()
 
     @property
     def connected(self) -> bool:
@@ -99,9 +99,7 @@ class ServerLink:
         """
         client = self._client
         message = client.ActionGoal(goal_id=GoalID(id=identity), goal=goal)
-        machine = CommStateMachine(
-            message, lambda _handle: self._transition(changed), None, client.pub_goal.publish, None
-        )
+        machine = CommStateMachine(message, lambda _handle: changed(), None, client.pub_goal.publish, None)
         with client.manager.list_mutex:
             client.manager.statuses.append(weakref.ref(machine))
         result = self._results.get(identity)
@@ -141,26 +139,12 @@ class ServerLink:
         """Cancel a goal, acknowledged or not."""
         cancel_goal(self._client, handle)
 
-    def wait_for_cancels(self, handles: Iterable[ClientGoalHandle], timeout: float) -> bool:
-        """Wait until the server has received the cancels of these goals, at most ``timeout`` seconds of wall time.
-
-        A node that shuts down earlier loses the messages that rospy has not sent yet.
-        """
-        goals = list(handles)
-        with self._changed:
-            return self._changed.wait_for(lambda: all(one.get_comm_state() in _CANCELLING for one in goals), timeout)
-
     def _keep(self, result: Any) -> None:
         identity = result.status.goal_id.id
         if identity.startswith(f"{rospy.get_name()}-"):
             self._results[identity] = result
             while len(self._results) > RESULTS:
                 self._results.popitem(last=False)
-
-    def _transition(self, changed: Callable[[], None]) -> None:
-        changed()
-        with self._changed:
-            self._changed.notify_all()
 
 
 def progress(handle: ClientGoalHandle) -> Tuple[Optional[ActionEvent], Optional[GoalEnd]]:
