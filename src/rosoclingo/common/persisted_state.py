@@ -2,8 +2,8 @@
 
 import threading
 import time
-from functools import partial
-from typing import Any, Callable
+from contextlib import suppress
+from typing import Any
 
 import rosgraph
 import rospy
@@ -30,7 +30,7 @@ class PersistedState:
         self._value: Any = None
         self._saved: Any = None  # the value that the master has
         self._check_at, self._failing = 0.0, False
-        self._worker = Worker(self._check)
+        self._worker = Worker(self._sync, PERIOD)
         self._worker.start()
 
     def store(self, value: Any, patience: float = 0.0) -> None:
@@ -39,42 +39,31 @@ class PersistedState:
         Waits until this has succeeded or failed, at most ``patience`` seconds of wall time.
         """
         self._value, done = value, threading.Event()
-        self._worker.put(partial(self._save, done))
+        self._worker.put(self._sync)
+        self._worker.put(done.set)
         done.wait(patience)
 
     def remove(self) -> None:
         """Delete the parameter: after a regular shutdown no successor resumes."""
         self._value = None
-        self._worker.put(lambda: self._ask(lambda: self._master.deleteParam(self._node, self._parameter)))
+        self._worker.put(self._delete)
         self._worker.stop(PERIOD)
 
-    def _save(self, done: threading.Event) -> None:
-        """Save the latest value, unless it is already saved."""
-        if self._saved is not self._value:
-            self._ask(self._set)
-        done.set()
-
-    def _check(self) -> float:
-        now = time.monotonic()
-        if now >= self._check_at and self._value is not None:
-            self._check_at = now + PERIOD
-            self._ask(self._set)
-        return PERIOD
-
-    def _set(self) -> None:
+    def _sync(self) -> None:
         """Set the parameter, unless the master has the value, or the node shuts down."""
-        value = self._value
-        if value is None:
+        value, now = self._value, time.monotonic()
+        if value is None or (value is self._saved and now < self._check_at):
             return
-        if self._saved is not value or self._master.getParam(self._node, self._parameter)[2] != value:
-            self._master.setParam(self._node, self._parameter, value)
-            self._saved = value
-
-    def _ask(self, call: Callable[[], object]) -> None:
+        self._check_at = now + PERIOD
         try:
-            call()
-            self._failing = False
+            if value is not self._saved or self._master.getParam(self._node, self._parameter)[2] != value:
+                self._master.setParam(self._node, self._parameter, value)
+            self._saved, self._failing = value, False
         except FAULTS as error:
             if not self._failing:
                 rospy.logerr("%s: %s: the master does not answer: %s; retrying", self._node, self._loss, error)
             self._failing = True
+
+    def _delete(self) -> None:
+        with suppress(*FAULTS):
+            self._master.deleteParam(self._node, self._parameter)
