@@ -4,14 +4,13 @@ import argparse
 import sys
 from contextlib import suppress
 from functools import partial
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, TypeVar
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, Optional
 
 import clingo
 
 from rosoclingo.checking.extension import CheckedFiles, CheckExtension, Kinds
 from rosoclingo.checking.lint.actions import Actions, LabelQuery, PlacedName
 from rosoclingo.common.labels import LabelTable
-from rosoclingo.common.reading import Reader
 from rosoclingo.interfaces.answers import REASONS, SUCCEEDED
 from rosoclingo.interfaces.checking.order_file import Orders, order_requests, unheard_orders
 from rosoclingo.interfaces.checking.suspicious_values import (
@@ -32,8 +31,6 @@ from rosoclingo.oclingo.program.survey import label_facts
 from rosoclingo.oclingo.progression.terms import parse_atom, parse_term, signature_of
 from rosoclingo.runs.orders import read_orders
 
-T = TypeVar("T")
-
 Interfaces = YamlFile[Dict[str, InterfaceSpec]]
 
 
@@ -41,9 +38,6 @@ class RobotFiles(CheckExtension):
     """The files of labels, interfaces and orders given on the command line."""
 
     def __init__(self) -> None:
-        self._labels: Optional[YamlFile[LabelTable]] = None
-        self._interfaces: Optional[Interfaces] = None
-        self._orders: Optional[Orders] = None
         self._driven: List[InterfaceSpec] = []
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
@@ -55,30 +49,27 @@ class RobotFiles(CheckExtension):
 
     def sources(self, options: argparse.Namespace) -> List[Source]:
         """Read the files; return the facts that the core adds to the program. Raises ProgramError."""
-        self._labels = _read(options.labels, LabelTable.read)
-        self._interfaces = _read(options.interfaces, survey)
-        self._orders = _read(options.orders, read_orders)
-        return [] if self._labels is None else [label_facts(self._label_terms())]
+        self._labels = YamlFile(options.labels, LabelTable.read)
+        self._interfaces: Interfaces = YamlFile(options.interfaces, survey)
+        self._orders: Orders = YamlFile(options.orders, read_orders)
+        return [label_facts(self._label_terms())] if self._labels.given else []
 
     def check(self, program: Optional[ReactiveProgram]) -> CheckedFiles:
         """Check the files, also against the program if it is readable."""
-        files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one is not None]
+        files: List[YamlFile] = [one for one in (self._labels, self._interfaces, self._orders) if one.given]
         faults = [fault for one in files for fault in (*one.faults, *one.doubles)]
-        labels = list(_label_names(self._labels))
-        specs = self._interfaces.value or {} if self._interfaces is not None else {}
+        labels, specs = list(_label_names(self._labels)), self._interfaces.value or {}
         actions = None if program is None else Actions(program)
         self._driven = _driven(specs, () if actions is None else actions.parameters)
         queries = _label_queries(self._driven)
-        if self._labels is not None:
-            faults += label_values(self._labels)
-            reasons = reasons_of(spec for spec in self._driven if spec.name in queries)
-            faults += labels_like_reasons(labels, reasons)
-        if self._interfaces is not None and specs:
+        faults += label_values(self._labels)
+        faults += labels_like_reasons(labels, reasons_of(spec for spec in self._driven if spec.name in queries))
+        if specs:
             faults += _type_faults(self._interfaces, specs)
             faults += _idle_reasons(self._interfaces, specs)
             faults += frame_values(self._interfaces, specs)
         if program is not None and actions is not None:
-            if self._interfaces is not None and self._interfaces.value is not None:
+            if self._interfaces.value is not None:
                 names = [self._interfaces.named(spec.key, spec.name) for spec in self._driven]
                 faults += actions.interface_faults(names)
                 faults += _unheard(self._interfaces, specs, program)
@@ -86,16 +77,16 @@ class RobotFiles(CheckExtension):
                 lambda name: reasons_of(one for one in self._driven if one.name == name)
             )
             faults += idle_drawings(program.survey)
-            if self._labels is not None and self._labels.value is not None:
-                known = actions.likely_queries(labels) if self._interfaces is None else queries
+            if self._labels.value is not None:
+                known = queries if self._interfaces.given else actions.likely_queries(labels)
                 faults += actions.label_faults(labels, known)
-            if self._orders is not None:
+            if self._orders.given:
                 faults += unheard_orders(self._orders, program, self._label_terms())
         return CheckedFiles(faults, [(one.name, one.text) for one in files])
 
     def requests(self, program: ReactiveProgram) -> Kinds:
         """Return the goals that people can order."""
-        return () if self._orders is None else order_requests(self._orders, program, self._label_terms())
+        return order_requests(self._orders, program, self._label_terms())
 
     def reasons(self) -> Dict[str, List[clingo.Symbol]]:
         """Return the return values of failed actions by interface."""
@@ -108,10 +99,6 @@ class RobotFiles(CheckExtension):
         return [one.name for one in _label_names(self._labels)]
 
 
-def _read(name: Optional[str], read: Callable[[Reader], T]) -> Optional[YamlFile[T]]:
-    return YamlFile(name, read) if name else None
-
-
 def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:
     """Yield the results that are ground terms; templates are skipped."""
     for one in results:
@@ -119,11 +106,11 @@ def _terms(results: Iterable[Any]) -> Iterator[clingo.Symbol]:
             yield parse_term(str(one))
 
 
-def _label_names(file: Optional[YamlFile]) -> Iterator[PlacedName]:
+def _label_names(file: YamlFile) -> Iterator[PlacedName]:
     """Yield the labels of a file as terms of the program; other names are reported elsewhere."""
-    for name in file.data if file is not None and isinstance(file.data, dict) else ():
+    for name in file.data if isinstance(file.data, dict) else ():
         with suppress(ProgressionError):
-            yield file.named(str(name), str(parse_term(str(name))))  # type: ignore[union-attr]
+            yield file.named(str(name), str(parse_term(str(name))))
 
 
 # ---- interfaces -----------------------------------------------------------------------------------------------------

@@ -18,21 +18,23 @@ _STRING = "tag:yaml.org,2002:str"
 
 
 class YamlFile(Generic[T]):
-    """A YAML file.
+    """A YAML file, or no file.
 
     Attributes:
+        given: whether there is a file.
         name: its name.
         text: its text.
-        data: its plain value; None if it is not valid YAML.
-        value: the value that the reader returned; None if it is not valid YAML.
+        data: its plain value; None if it is not given, or not valid YAML.
+        value: the value that the reader returned; None in the same cases.
         faults: the faults of its entries, or the syntax error.
         doubles: the faults of keys that occur twice.
 
     """
 
-    def __init__(self, name: str, read: Callable[[Reader], T]) -> None:
-        """Read a file by ``read``; raises ProgramError if it is unreadable."""
-        source = Source.from_file(Path(name))
+    def __init__(self, name: Optional[str], read: Callable[[Reader], T]) -> None:
+        """Read a file, if there is one, by ``read``; raises ProgramError if it is unreadable."""
+        self.given = bool(name)
+        source = Source.from_file(Path(name)) if name else Source("", "")
         self.name, self.text = source.name, source.text
         self.data: Any = None
         self.value: Optional[T] = None
@@ -40,6 +42,8 @@ class YamlFile(Generic[T]):
         self.doubles: List[Fault] = []
         self._places: Dict[str, Tuple[int, int]] = {}
         self._seen: Set[int] = set()  # visits a node once, even if it has aliases
+        if not self.given:
+            return
         try:
             self.data = yaml.safe_load(self.text)
             node = yaml.compose(self.text, Loader=yaml.SafeLoader)
