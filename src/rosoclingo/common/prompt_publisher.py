@@ -69,19 +69,6 @@ class PromptConnection(QueuedConnection):  # type: ignore[misc]
                 self._left = []
 
 
-class _Greeting(rospy.SubscribeListener):  # type: ignore[misc]
-    """Sends the messages that ``messages`` returns to each new subscriber only."""
-
-    def __init__(self, messages: Callable[[], Iterable[Any]]) -> None:
-        super().__init__()
-        self._messages = messages
-
-    def peer_subscribe(self, _topic: str, _publish_all: Callable[..., None], publish: Callable[..., None]) -> None:
-        """Greet a subscriber that has connected; called by rospy."""
-        for message in self._messages():
-            publish(message)
-
-
 def prompt_publisher(
     name: str, kind: Any, queue_size: int = 100, greeting: Optional[Callable[[], Iterable[Any]]] = None, **more: Any
 ) -> rospy.Publisher:
@@ -91,23 +78,27 @@ def prompt_publisher(
     so that the node can connect again. All publishers of the topic in this process share the connections, so they send
     immediately too.
     """
-    if greeting is not None:
-        more["subscriber_listener"] = _Greeting(greeting)
     publisher = rospy.Publisher(name, kind, queue_size=queue_size, **more)
     impl = publisher.impl
+    greetings = vars(impl).setdefault("greetings", [])
     if "add_connection" not in vars(impl):
         add = impl.add_connection
 
         def add_connection(connection: Any) -> bool:
-            """Add and greet a connection under the lock: rospy lets other threads publish to it before the greeting."""
-            if greeting is not None:
+            """Add and greet a connection under the lock, before other threads can publish to it."""
+            if greetings:
                 close_dead(connection)
+            prompt = PromptConnection(connection, queue_size)
             with impl.publock:
-                return bool(add(PromptConnection(connection, queue_size)))
+                added = bool(add(prompt))
+                for message in (one for greet in greetings for one in greet()):
+                    impl.publish(message, connection_override=prompt)
+                return added
 
         impl.add_connection = add_connection
         impl.set_queue_size(None)  # a size would make rospy wrap each connection again
         impl.set_queue_size = lambda size: None
+    greetings += [greeting] if greeting is not None else []
     for message in greeting() if greeting is not None else ():  # for nodes that are already connected
         publisher.publish(message)
     return publisher
