@@ -45,9 +45,8 @@ class ServerLink:
         self._results: OrderedDict[str, Any] = OrderedDict()  # of this node's goals, by id, for goals tracked later
         kind = type(action_type().action_result)
         self._result_sub = rospy.Subscriber(rospy.remap_name(server) + "/result", kind, self._keep)
-        prompt_publisher(
-            rospy.remap_name(server) + "/cancel", GoalID
-        )  # a node that shuts down loses a queue of cancels
+        # a node that shuts down loses cancels in a queue
+        prompt_publisher(rospy.remap_name(server) + "/cancel", GoalID)
         self._client = ActionClient(server, action_type)
         self._down_since: Optional[float] = None
         self._met: Dict[str, float] = {}  # connected servers, and when they count as writing to us
