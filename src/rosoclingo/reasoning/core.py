@@ -199,7 +199,8 @@ class Core(PersistentPart):
         if result.outcome is SolveOutcome.SATISFIABLE:
             self._plan = extract_plan(result.answers[0])
         else:
-            self._problem(f"the program has no answer before any request: {self._planner.why_none(result)}")
+            why = f"{self._planner.why_none(result)} (the command check --plan names the rules that exclude one)"
+            self._problem(f"the program has no answer before any request: {why}")
         self._announce.plan(result, self.shown)
 
     def advance(self, now: float) -> bool:

@@ -1,11 +1,13 @@
-"""The names in the shared delivery rules: few concern a domain."""
+"""The shared delivery rules: their names, of which few concern a domain, and wrong starts."""
 
 import re
 
 import pytest
 from clingo.ast import ASTType
+from core_driver import Driver
 from shipped import ENCODINGS
 
+from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.directives import Directives
 from rosoclingo.oclingo.program.signatures import Signature, occurrences
 from rosoclingo.oclingo.program.sources import Source, read_sources
@@ -42,3 +44,22 @@ def test_delivery_names_are_listed_or_begin_with_underscore():
     assert names <= known
     given = {one.name for one in known - names if not one.name.startswith("_")}
     assert given == {"place", "connection", "distance", "start", "kind", "cancel", "order", "refused", "later"}
+
+
+@pytest.mark.parametrize(
+    ("encoding", "start", "valid"),
+    [
+        ("mailbot.lp", "start(a).", True),
+        ("mailbot.lp", "start(moon).", False),
+        ("mailbot.lp", "start(a). start(b).", False),
+        ("fleet.lp", "start(r1,a). start(r2,a). start(unused,moon).", True),
+        ("fleet.lp", "start(r1,a). start(r2,moon).", False),
+        ("fleet.lp", "start(r1,a). start(r1,b).", False),
+    ],
+)
+def test_delivery_robot_starts_at_one_place(encoding, start, valid):
+    floor = Source("floor", f"#program base. office(a). office(b). corridor(a,b). {start}")
+    constants = {"robots": "2"} if encoding == "fleet.lp" else {}
+    program = ReactiveProgram([Source.from_file(ENCODINGS / encoding), floor], constants)
+    problems = Driver(program=program).problems
+    assert problems == [] if valid else "check --plan" in problems[0]
