@@ -23,6 +23,7 @@ _MESSAGE_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*\Z")
 _ACTION_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*Action\Z")
 _VARIABLE = re.compile(r"(?<=[(,])[A-Z][A-Za-z0-9_]*(?=[),])")
 _IN_TEXT = re.compile(r"\{([A-Z][A-Za-z0-9_]*)\}")
+_ROS_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*\Z")
 _CONSTANT = re.compile(r"[a-z][A-Za-z0-9_]*\Z")
 
 Values = Mapping[str, Sequence[str]]
@@ -75,7 +76,11 @@ def survey(reader: Reader, values: Optional[Values] = None) -> Dict[str, Interfa
     if reader.value == {}:
         reader.fault("has no entries; write one for each action, like move_base: {type: move_base_msgs/MoveBaseAction}")
     instances = (one for name, entry in entries for one in _instances(name, entry, values))
-    specs = {name: _spec(key, name, entry) for key, name, entry in instances}
+    specs: Dict[str, InterfaceSpec] = {}
+    for key, name, entry in instances:
+        if name in specs:
+            entry.fault(f"{name} has another entry, {specs[name].key}; remove one of them")
+        specs[name] = _spec(key, name, entry)
     reader.faults[:] = dict.fromkeys(reader.faults)
     return specs
 
@@ -138,7 +143,7 @@ def _spec(key: str, name: str, entry: Reader) -> InterfaceSpec:
         key=key,
         name=_term(name, entry),
         type=_type(entry.at("type"), "an action type like move_base_msgs/MoveBaseAction", _ACTION_TYPE),
-        server=entry.at("server").text(name, wanted="the name of an actionlib server"),
+        server=ros_name(entry.at("server"), "an actionlib server", name if _ROS_NAME.match(name) else MISSING),
         goal=_templates(entry.at("goal"), "a mapping of the goal's fields", {}),
         limits=read_limits(entry),
         retry_on=entry.at("retry_on").texts(DEFAULT_RETRY_ON, "a list of reasons like [failed, blocked]"),
@@ -159,12 +164,21 @@ def _term(name: str, entry: Reader) -> str:
         return name
 
 
+def ros_name(reader: Reader, what: str, default: Any = MISSING) -> str:
+    """Return a name of ``what`` in ROS; ``{R}`` in it stands for a value."""
+
+    def fit(value: Any) -> Optional[str]:
+        return value if isinstance(value, str) and _ROS_NAME.match(_IN_TEXT.sub("v", value)) else None
+
+    return reader.read(f"the name of {what}, of letters, digits, _ and /", fit, default, "")
+
+
 def _done(reader: Reader) -> Optional[DoneCondition]:
     if not reader.given:
         return None
     topic, kind, when = (reader.at(key) for key in ("topic", "type", "when"))
     done = DoneCondition(
-        topic=topic.text(wanted="the name of a topic"),
+        topic=ros_name(topic, "a topic"),
         type=_type(kind, "a message type like rosoclingo/PackageStates", _MESSAGE_TYPE),
         when=_templates(when, "a mapping of the message's fields to values"),
     )

@@ -14,7 +14,7 @@ from rosoclingo.common.starting import node_arguments, run_node
 from rosoclingo.common.worker import Worker
 from rosoclingo.interfaces.attempt import DEFAULT_LIMITS
 from rosoclingo.interfaces.base import DEFAULT_MEMORY
-from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_values, survey
+from rosoclingo.interfaces.config import ConfigError, InterfaceSpec, read_limits, read_values, ros_name, survey
 from rosoclingo.interfaces.configured import ConfiguredInterface
 from rosoclingo.interfaces.templates import label_references
 from rosoclingo.interfaces.type_faults import type_faults
@@ -99,8 +99,7 @@ def _choose(specs: Mapping[str, InterfaceSpec], given: Reader, names: Sequence[s
 
 
 def _override(specs: Tuple[InterfaceSpec, ...], given: Parameters) -> Tuple[InterfaceSpec, ...]:
-    server = given.at("server")
-    name = server.text("", wanted="the name of an actionlib server")
+    name = ros_name(given.at("server"), "an actionlib server", "")
     limits = read_limits(given, specs[0].limits if specs else DEFAULT_LIMITS)
     repeatable = given.at("repeatable").flag(bool(specs) and specs[0].repeatable)
     own = [one for one in _OWN if given.at(one).given]

@@ -62,6 +62,8 @@ def test_interface_config_with_all_keys_is_read():
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {}}}, "arm.done.when: names no field"),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {"x": "$status"}}}, "arm.done.when.x: no .status"),
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(did you mean \$parameter\?\); known are"),
+        ({**TYPE, "server": "/{R/arm"}, "arm.server: must be the name of an actionlib server, of letters, .* not '/{R/arm'"),
+        ({**TYPE, "done": {"topic": "my state", "type": "b/C"}}, "arm.done.topic: must be the name of a topic, of letters"),
         ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
         (
             {**TYPE, "returns": [{"status": "lost"}]},
@@ -97,6 +99,8 @@ FLEET = {
         ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
         ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
         ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
+        ({"arm(R)": FLEET, "arm(r1)": {**TYPE, "server": "a"}}, {"R": ["r1"]}, r"arm\(r1\) has another entry, arm\(R\)"),
+        ({"arm(R)": TYPE}, {"R": ["r1"]}, r"arm\(R\).server: is missing: give the name of an actionlib server"),
         ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
     ],
 )
@@ -111,7 +115,7 @@ def test_interface_config_name_with_variables_stands_for_several_entries():
     second = specs["arm(r2)"]
     assert (second.key, second.name, second.server) == ("arm(R)", "arm(r2)", "/r2/arm")
     assert (second.goal, second.done.topic) == ({"goal": "r2"}, "r2/state")
-    hands = read_specs({"hand(R,S)": TYPE}, {"R": ["r1", "r2"], "S": ["left", "right"]})
+    hands = read_specs({"hand(R,S)": {**TYPE, "server": "{R}/{S}"}}, {"R": ["r1", "r2"], "S": ["left", "right"]})
     assert list(hands) == ["hand(r1,left)", "hand(r1,right)", "hand(r2,left)", "hand(r2,right)"]
 
 
