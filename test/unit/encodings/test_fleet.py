@@ -246,6 +246,23 @@ def test_fleet_decommissioned_robot_delivers_its_load_only():
     assert [str(one) for one in fleet.journal.actions if "pickup(r1)" in str(one)] == ["_action_lib(pickup(r1),1,1)"]
 
 
+@pytest.mark.parametrize(
+    ("fact", "last", "text"),
+    [
+        ("_decommission(r1,now)", "succeeded", ""),
+        ("_blocked(office1,office2,now)", "aborted", "no robot in service can fetch it"),
+    ],
+)
+def test_fleet_facts_during_a_pickup_are_accepted(fact, last, text):
+    fleet = Fleet(((1, 2),), {"r1": 1})
+    fleet.ask(1, 1, 2).facts(fact)
+    fleet.world.allow_return(1)  # the package of an aborted goal
+    fleet.end_all()
+    assert fleet.problems == []
+    assert fleet.last(1) == last
+    assert text in fleet.message("1")
+
+
 EVENTS = ("end", "end", "end", "ask", "fail", "cancel", "lost", "back", "decommission", "recommission")
 
 
