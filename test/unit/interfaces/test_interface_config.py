@@ -62,8 +62,14 @@ def test_interface_config_with_all_keys_is_read():
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {}}}, "arm.done.when: names no field"),
         ({**TYPE, "done": {"topic": "a", "type": "b/C", "when": {"x": "$status"}}}, "arm.done.when.x: no .status"),
         ({**TYPE, "goal": {"x": "$paramter"}}, r"no \$paramter \(did you mean \$parameter\?\); known are"),
-        ({**TYPE, "server": "/{R/arm"}, "arm.server: must be the name of an actionlib server, of letters, .* not '/{R/arm'"),
-        ({**TYPE, "done": {"topic": "my state", "type": "b/C"}}, "arm.done.topic: must be the name of a topic, of letters"),
+        (
+            {**TYPE, "server": "/{R/arm"},
+            "arm.server: must be the name of an actionlib server, of letters, .* not '/{R/arm'",
+        ),
+        (
+            {**TYPE, "done": {"topic": "my state", "type": "b/C"}},
+            "arm.done.topic: must be the name of a topic, of letters",
+        ),
         ({**TYPE, "server_timeout": 0}, "arm.server_timeout: must be a number above 0"),
         (
             {**TYPE, "returns": [{"status": "lost"}]},
@@ -99,7 +105,11 @@ FLEET = {
         ({"arm(R)": FLEET}, {}, r"arm\(R\): there are no values for R; set ~values, such as {R: \[r1, r2\]}"),
         ({"arm(R)": {**FLEET, "timeout": -1}}, {"R": ["r1", "r2"]}, r"\Aarm\(R\).timeout: must be [^\n]*\Z"),
         ({"arm": FLEET}, {}, r"arm.server: {R} is not a variable of the entry's name \(write a name such as"),
-        ({"arm(R)": FLEET, "arm(r1)": {**TYPE, "server": "a"}}, {"R": ["r1"]}, r"arm\(r1\) has another entry, arm\(R\)"),
+        (
+            {"arm(R)": FLEET, "arm(r1)": {**TYPE, "server": "a"}},
+            {"R": ["r1"]},
+            r"arm\(r1\) has another entry, arm\(R\)",
+        ),
         ({"arm(R)": TYPE}, {"R": ["r1"]}, r"arm\(R\).server: is missing: give the name of an actionlib server"),
         ({"arm(S)": FLEET}, {"S": ["s"]}, r"arm\(S\).done.topic: {R} is not a variable .* \(its variables are S\)"),
     ],
