@@ -15,6 +15,7 @@ each where it costs least. Like simulated annealing, it also accepts slightly lo
 
 import math
 from collections import Counter, deque
+from functools import lru_cache
 from itertools import accumulate
 from operator import itemgetter
 from random import Random
@@ -50,7 +51,7 @@ Act = Tuple[clingo.Symbol, clingo.Symbol]
 ANYWHERE: Act = (clingo.Infimum, clingo.Infimum)
 """The end of a tour whose last action is a task."""
 
-Order = List[int]
+Order = Tuple[int, ...]
 """The numbers of tasks."""
 
 
@@ -115,7 +116,7 @@ def _recreated(tours: "Tours", orders: List[Order], random: Random) -> Optional[
     near = dict.fromkeys(tours.chain_of[task] for task in tours.nearest(random.randrange(len(tours.chain_of))))
     chains = [*near][: random.randint(1, REMOVED)]
     random.shuffle(chains)
-    orders = [[task for task in order if tours.chain_of[task] not in chains] for order in orders]
+    orders = [tuple(task for task in order if tours.chain_of[task] not in chains) for order in orders]
     for chain in chains:
         candidates = [*tours.inserted(orders, chain)]
         if not candidates:
@@ -161,7 +162,7 @@ class Tours:
             if not moves:
                 first = [one.act for one in possible if one.robot == robot and self._moves(one.act)]
                 self._exits[here] = [*dict.fromkeys(first)]
-            self.orders.append([])
+            order: List[int] = []
             acts = [one.act for one in plan if one.robot == robot]
             for act in acts:
                 if self._moves(act):
@@ -170,21 +171,25 @@ class Tours:
                         self._exits.setdefault(act, []).append(here)
                     here = act
                 else:
-                    self.orders[-1].append(len(self._tasks))
+                    order.append(len(self._tasks))
                     self._tasks.append(act)
                     places.append(here)
+            self.orders.append(tuple(order))
             ends.append(here if acts and self._moves(acts[-1]) and not free_ends else ANYWHERE)
         self._places = [*places, *starts, *ends]  # of the tasks, and of the starts and ends of the tours
         self._find_chains()
         self._ways = {place: self._ways_from(place) for place in self._places}
         ways = [self._ways[place] for place in self._places]
         self._distances = [[len(way[place]) if place in way else FAR for place in self._places] for way in ways]
+        # most tours stay the same in a round
+        self._steps = lru_cache(maxsize=None)(self._count_steps)
+        self._inserted = lru_cache(maxsize=None)(self._insert)
 
     def _moves(self, act: Act) -> bool:
         return act[0] in self._moving
 
     def _find_chains(self) -> None:
-        chains: Dict[clingo.Symbol, Order] = {}
+        chains: Dict[clingo.Symbol, List[int]] = {}
         for task, (_, parameter) in enumerate(self._tasks):
             chains.setdefault(parameter, []).append(task)
         self.chains = [*chains.values()]
@@ -220,19 +225,20 @@ class Tours:
     def _stops(self, robot: int, order: Order) -> Order:
         """Return ``order`` between the numbers of the places where the tour starts and ends."""
         start = len(self._tasks) + robot
-        return [start, *order, start + len(self._robots)]
+        return (start, *order, start + len(self._robots))
 
     def cost(self, orders: Sequence[Order]) -> float:
         """Return the steps of the longest tour, and a part of those of the others."""
-        steps = []
-        for robot, order in enumerate(orders):
-            stops = self._stops(robot, order)
-            steps.append(len(order) + sum(self._distances[a][b] for a, b in zip(stops, stops[1:])))
+        steps = [self._steps(robot, order) for robot, order in enumerate(orders)]
         return max(steps) + OTHERS * (sum(steps) - max(steps))
+
+    def _count_steps(self, robot: int, order: Order) -> int:
+        stops = self._stops(robot, order)
+        return len(order) + sum(self._distances[a][b] for a, b in zip(stops, stops[1:]))
 
     def nearest(self, task: int) -> Order:
         """Return all tasks, nearest to ``task`` first."""
-        return sorted(self.chain_of, key=self._distances[task].__getitem__)
+        return tuple(sorted(self.chain_of, key=self._distances[task].__getitem__))
 
     # ---- Orders ------------------------------------------------------------------------------------------------------
 
@@ -244,7 +250,7 @@ class Tours:
                 if more is not None:
                     yield [*orders[:robot], more, *orders[robot + 1 :]]
 
-    def _inserted(self, robot: int, order: Order, chain: int) -> Optional[Order]:
+    def _insert(self, robot: int, order: Order, chain: int) -> Optional[Order]:
         """Return ``order`` with a chain inserted where it adds the fewest moves; None if it does not fit.
 
         Uses dynamic programming over the gaps: ``added[n]`` contains the additional moves and the gaps for the first
@@ -252,8 +258,8 @@ class Tours:
         """
         tasks, moves, stops = self.chains[chain], self._distances, self._stops(robot, order)
         along = [0, *accumulate(moves[a][b] for a, b in zip(tasks, tasks[1:]))]
-        nowhere: Tuple[float, Order] = (math.inf, [])
-        added: List[Tuple[float, Order]] = [(0.0, []), *[nowhere] * len(tasks)]
+        nowhere: Tuple[float, Order] = (math.inf, ())
+        added: List[Tuple[float, Order]] = [(0.0, ()), *[nowhere] * len(tasks)]
         open_states = range(0 if self._begun[chain] else 1, len(tasks))
         now_open = self._open_at_start(order)
         for gap, (before, after) in enumerate(zip(stops, stops[1:])):
@@ -267,11 +273,11 @@ class Tours:
                 for begin in range(end):
                     count = added[begin][0] + moves[before][tasks[begin]] - along[begin] + rest
                     if count < added[end][0]:
-                        added[end] = count, added[begin][1] + [gap] * (end - begin)
+                        added[end] = count, (*added[begin][1], *[gap] * (end - begin))
         if added[-1] == nowhere:
             return None
         gaps = [*enumerate(order, 1), *zip(added[-1][1], tasks)]
-        return [task for _, task in sorted(gaps, key=itemgetter(0))]
+        return tuple(task for _, task in sorted(gaps, key=itemgetter(0)))
 
     def actions(self, orders: Sequence[Order], cycle: int) -> List[clingo.Symbol]:
         """Return the actions of ``orders`` from ``cycle`` on."""
