@@ -17,7 +17,7 @@ from rosoclingo.robot.navigation import (
     RotateRecovery,
 )
 from rosoclingo.robot.nodes.move_base import plugins
-from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
+from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 
 rospy = pytest.importorskip("rospy")
 ROOT = Path(__file__).resolve().parents[4]
@@ -56,7 +56,7 @@ def given(monkeypatch):
 def settings_of():
     """Return the settings that the node reads; raises ParameterError with all faults."""
     found = Parameters()
-    settings = read_settings(found)
+    settings = Settings(found)
     found.check()
     return settings
 
@@ -80,9 +80,9 @@ SETTINGS = [
     ("progress_timeout", 9, lambda s: s.navigator.progress_timeout, 9.0),
     ("recovery_behavior_enabled", False, lambda s: s.navigator.recovery_behavior_enabled, False),
     ("shutdown_costmaps", True, lambda s: s.rest_when_idle, True),
-    ("global_costmap/global_frame", "/world", lambda s: s.frames.map, "world"),
-    ("global_costmap/robot_base_frame", "robot_0/base_link", lambda s: s.frames.base, "robot_0/base_link"),
-    ("global_costmap/transform_tolerance", 1, lambda s: s.frames.tolerance, 1.0),
+    ("global_costmap/global_frame", "/world", lambda s: s.map_frame, "world"),
+    ("global_costmap/robot_base_frame", "robot_0/base_link", lambda s: s.base_frame, "robot_0/base_link"),
+    ("global_costmap/transform_tolerance", 1, lambda s: s.transform_tolerance, 1.0),
     ("global_costmap/robot_radius", 0.3, lambda s: s.costmap.robot_radius, 0.3),
     ("global_costmap/publish_frequency", 4.0, lambda s: s.publish_periods[0], 0.25),
     ("global_costmap/update_frequency", 2.0, lambda s: s.update_periods[0], 0.5),
@@ -93,13 +93,13 @@ SETTINGS = [
     ("global_costmap/inflation_layer/cost_scaling_factor", 3.0, lambda s: s.costmap.cost_scaling_factor, 3.0),
     ("global_costmap/obstacle_layer/enabled", False, lambda s: s.obstacles, False),
     ("global_costmap/obstacle_layer/observation_sources", "", lambda s: s.obstacles, False),
-    ("global_costmap/obstacle_layer/observation_sources", "front rear", lambda s: s.frames.scan_topic, "front"),
+    ("global_costmap/obstacle_layer/observation_sources", "front rear", lambda s: s.scan_topic, "front"),
     ("global_costmap/obstacle_layer/obstacle_range", 2.5, lambda s: s.costmap.obstacle_range, 2.5),
     ("global_costmap/obstacle_layer/raytrace_range", 3.0, lambda s: s.costmap.raytrace_range, 3.0),
     ("global_costmap/obstacle_layer/static_tolerance", 0.0, lambda s: s.costmap.static_tolerance, 0.0),
     ("global_costmap/obstacle_layer/most_tolerance", 0.2, lambda s: s.costmap.most_tolerance, 0.2),
-    ("global_costmap/obstacle_layer/base_scan/topic", "scan", lambda s: s.frames.scan_topic, "scan"),
-    ("global_costmap/obstacle_layer/base_scan/expected_update_rate", 0.4, lambda s: s.frames.scan_timeout, 0.4),
+    ("global_costmap/obstacle_layer/base_scan/topic", "scan", lambda s: s.scan_topic, "scan"),
+    ("global_costmap/obstacle_layer/base_scan/expected_update_rate", 0.4, lambda s: s.scan_timeout, 0.4),
     ("local_costmap/publish_frequency", 0.0, lambda s: s.publish_periods[1], float("inf")),
     ("local_costmap/update_frequency", 4, lambda s: s.update_periods[1], 0.25),
     ("local_costmap/always_send_full_costmap", True, lambda s: s.send_full, (False, True)),
@@ -163,7 +163,7 @@ def test_move_base_parameters_layers_can_have_other_names(given):
         }
     )
     settings = settings_of()
-    assert (settings.map_topic, settings.frames.scan_topic) == ("floor", "/scan")
+    assert (settings.map_topic, settings.scan_topic) == ("floor", "/scan")
     assert (settings.costmap.obstacle_range, settings.costmap.inflation_radius) == (2.0, 0.8)
 
 

@@ -32,7 +32,7 @@ class Display:
     """
 
     def __init__(self, settings: Settings, worker: Worker) -> None:
-        self._frame = settings.frames.map
+        self._frame = settings.map_frame
         planner, follower = "~" + global_planner_namespace(), "~" + local_planner_namespace()
         self._goal = rospy.Publisher("~current_goal", PoseStamped, queue_size=1)
         self._recovery = rospy.Publisher("~recovery_status", RecoveryStatus, queue_size=5)

@@ -35,7 +35,7 @@ from rosoclingo.robot.nodes.messages import grid_from_message, stamped_pose, to_
 from rosoclingo.robot.nodes.move_base.command_watch import CommandWatch
 from rosoclingo.robot.nodes.move_base.display import Display
 from rosoclingo.robot.nodes.move_base.make_plan import PlanService
-from rosoclingo.robot.nodes.move_base.navigation_settings import read_settings
+from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
 from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, recoveries
 from rosoclingo.robot.nodes.move_base.sensing import LocatedRobot, Sensing
@@ -147,7 +147,7 @@ class MoveBaseNode:
 
     def __init__(self) -> None:
         given = Parameters()
-        self._settings = read_settings(given)
+        self._settings = Settings(given)
         plan = global_planner(given)
         follow = local_planner(given, self._settings.costmap.robot_radius, self._settings.footprint)
         recover = recoveries(given)
@@ -159,7 +159,7 @@ class MoveBaseNode:
         self._patience = PatienceClock()
         self._pose: Optional[Pose2D] = None
         self._worker = Worker(settle=self._settle, period=0.02)
-        self._sensing = Sensing(self._settings.frames, self._worker, self._settings.obstacles)
+        self._sensing = Sensing(self._settings, self._worker)
         self._display = Display(self._settings, self._worker)
         self._planning = PlanningThread(self._planner)
         self._commands = CommandWatch(prompt_publisher("cmd_vel", Twist, 1).publish, self._settings.controller_period)
@@ -244,7 +244,7 @@ class MoveBaseNode:
                 self._ready = True
                 start_server(self._server.action_server)
             if self._watchful(self._navigator):
-                frame = self._sensing.local_frame(self._settings.local_frame)
+                frame = self._sensing.local_frame()
                 self._display.update(self._navigator.costmap, located.pose, *frame)
         if self._navigator.active:
             try:
@@ -272,14 +272,14 @@ class MoveBaseNode:
             tick = navigator.stop_blind(
                 patience, NavigationOutcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault
             )
-        elif self._settings.obstacles and laser_age > self._settings.frames.scan_timeout > 0.0:
-            text = f"The laser is lost: no scan on {self._settings.frames.scan_topic} for {laser_age:.1f} s"
+        elif self._settings.obstacles and laser_age > self._settings.scan_timeout > 0.0:
+            text = f"The laser is lost: no scan on {self._settings.scan_topic} for {laser_age:.1f} s"
             tick = navigator.stop_blind(patience, NavigationOutcome.LASER_LOST, text)
         else:
             tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
         self._drive(tick.velocity)
         if located.pose is not None:
-            self._server.publish_feedback(MoveBaseFeedback(stamped_pose(located.pose, self._settings.frames.map)))
+            self._server.publish_feedback(MoveBaseFeedback(stamped_pose(located.pose, self._settings.map_frame)))
             self._display.trajectory(lambda: self._follower.trajectory(located.pose, tick.velocity))
         if tick.result is not None:
             self._end(tick.result)
@@ -327,7 +327,7 @@ class MoveBaseNode:
             return "Aborting on goal because its position is not finite"
         frame = self._sensing.to_map(target.header.frame_id, target.header.stamp)
         if frame is None:
-            name, known = target.header.frame_id, self._settings.frames.map
+            name, known = target.header.frame_id, self._settings.map_frame
             return f"Aborting on goal because its frame {name!r} is unknown to tf, or not connected to {known}"
         goal = frame.compose(pose)
         self._navigator.set_goal(self._patience.now, goal)

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from typing import NamedTuple, Tuple
+from typing import Tuple
 
 import rospy
 import yaml
@@ -24,69 +24,38 @@ LAYERS = {
 DATA_TYPE = "LaserScan"  # the only supported data type of an observation source
 
 
-class Frames(NamedTuple):
-    """Names of frames and topics, and maximum ages (s) of transforms and scans."""
+class Settings:
+    """All settings of the node; faults are collected in ``given``.
 
-    map: str
-    base: str
-    tolerance: float
-    scan_topic: str
-    scan_timeout: float
-
-
-class Settings(NamedTuple):
-    """All settings of the node.
-
-    Pairs are for the global and the local costmap. An empty ``local_frame`` stands for the frame of the odometry.
+    Periods and ages are in s, lengths in m. Pairs are for the global and the local costmap.
     """
 
-    frames: Frames
-    costmap: CostmapLimits
-    navigator: NavigatorLimits
-    controller_period: float
-    footprint: Tuple[Tuple[float, float], ...]
-    map_topic: str
-    obstacles: bool
-    publish_periods: Tuple[float, float]
-    update_periods: Tuple[float, float]
-    send_full: Tuple[bool, bool]
-    local_size: Tuple[float, float]
-    local_frame: str
-    rest_when_idle: bool
-
-
-def read_settings(given: Parameters) -> Settings:
-    """Read the settings; faults are collected in ``given``."""
-    radius, footprint = _body(given)
-    in_layer = _Layers(given)
-    sources = in_layer("obstacle_layer", "observation_sources").text("base_scan", empty=True).split()
-    if len(sources) > 1:
-        rospy.logwarn("only the first of the observation sources %s is used", ", ".join(sources))
-    source = sources[0] if sources else "base_scan"
-    kind = in_layer("obstacle_layer", source + "/data_type")
-    kind.read(f"{DATA_TYPE}, the only supported type", lambda value: value if value == DATA_TYPE else None, DATA_TYPE)
-    whole, local = given.group("global_costmap"), given.group("local_costmap")
-    return Settings(
-        Frames(
-            whole("global_frame").text("map").lstrip("/"),
-            whole("robot_base_frame").text("base_link").lstrip("/"),
-            whole("transform_tolerance").number(0.5, low=0.0),
-            in_layer("obstacle_layer", source + "/topic").text(source),
-            in_layer("obstacle_layer", source + "/expected_update_rate").number(1.0, low=0.0),
-        ),
-        _costmap(given, in_layer, radius, path_radii(radius, footprint)),
-        _navigator(given),
-        1.0 / given.at("controller_frequency").number(20.0, above=0.0),
-        footprint,
-        in_layer("static_layer", "map_topic").text("map"),
-        in_layer("obstacle_layer", "enabled").flag(True) and bool(sources),
-        (_period(whole("publish_frequency"), 0.0), _period(local("publish_frequency"), 2.0)),
-        (_period(whole("update_frequency"), 5.0), _period(local("update_frequency"), 5.0)),
-        (whole("always_send_full_costmap").flag(False), local("always_send_full_costmap").flag(False)),
-        (local("width").number(6.0, above=0.0), local("height").number(6.0, above=0.0)),
-        local("global_frame").text("").lstrip("/"),
-        given.at("shutdown_costmaps").flag(False),
-    )
+    def __init__(self, given: Parameters) -> None:
+        radius, self.footprint = _body(given)
+        in_layer = _Layers(given)
+        sources = in_layer("obstacle_layer", "observation_sources").text("base_scan", empty=True).split()
+        if len(sources) > 1:
+            rospy.logwarn("only the first of the observation sources %s is used", ", ".join(sources))
+        source = sources[0] if sources else "base_scan"
+        kind = in_layer("obstacle_layer", source + "/data_type")
+        kind.read(f"{DATA_TYPE}, the only supported type", lambda got: got if got == DATA_TYPE else None, DATA_TYPE)
+        whole, local = given.group("global_costmap"), given.group("local_costmap")
+        self.map_frame = whole("global_frame").text("map").lstrip("/")
+        self.base_frame = whole("robot_base_frame").text("base_link").lstrip("/")
+        self.local_frame = local("global_frame").text("").lstrip("/")  # empty: the frame of the odometry
+        self.transform_tolerance = whole("transform_tolerance").number(0.5, low=0.0)
+        self.obstacles = in_layer("obstacle_layer", "enabled").flag(True) and bool(sources)
+        self.scan_topic = in_layer("obstacle_layer", source + "/topic").text(source)
+        self.scan_timeout = in_layer("obstacle_layer", source + "/expected_update_rate").number(1.0, low=0.0)
+        self.map_topic = in_layer("static_layer", "map_topic").text("map")
+        self.costmap = _costmap(given, in_layer, radius, path_radii(radius, self.footprint))
+        self.navigator = _navigator(given)
+        self.controller_period = 1.0 / given.at("controller_frequency").number(20.0, above=0.0)
+        self.publish_periods = _period(whole("publish_frequency"), 0.0), _period(local("publish_frequency"), 2.0)
+        self.update_periods = _period(whole("update_frequency"), 5.0), _period(local("update_frequency"), 5.0)
+        self.send_full = tuple(group("always_send_full_costmap").flag(False) for group in (whole, local))
+        self.local_size = local("width").number(6.0, above=0.0), local("height").number(6.0, above=0.0)
+        self.rest_when_idle = given.at("shutdown_costmaps").flag(False)
 
 
 class _Layers:

@@ -16,7 +16,7 @@ from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity
 from rosoclingo.robot.nodes.messages import from_transform
-from rosoclingo.robot.nodes.move_base.navigation_settings import Frames
+from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 
 # Maximum lead (s) of time stamps over this node's clock. Beyond it, time has gone back.
 STAMP_LEAD_LIMIT = 0.3
@@ -39,9 +39,8 @@ class Sensing:
     at the requested time. A localisation that lags a little therefore does no harm.
     """
 
-    def __init__(self, frames: Frames, worker: Worker, obstacles: bool) -> None:
-        self._frames = frames
-        self.map_frame = frames.map
+    def __init__(self, settings: Settings, worker: Worker) -> None:
+        self._settings, self.map_frame = settings, settings.map_frame
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._odom_frame = "odom"
@@ -61,10 +60,10 @@ class Sensing:
                 buff_size=1 << 17,
             )
         ]
-        if obstacles:
+        if settings.obstacles:
             self._subscribers.append(
                 rospy.Subscriber(
-                    frames.scan_topic, numpy_msg(LaserScan), partial(worker.put, self._take_scan), queue_size=1,
+                    settings.scan_topic, numpy_msg(LaserScan), partial(worker.put, self._take_scan), queue_size=1,
                     tcp_nodelay=True, buff_size=1 << 17,
                 )
             )  # fmt: skip
@@ -95,7 +94,7 @@ class Sensing:
     def locate(self, now: float) -> LocatedRobot:
         """Return the pose of the robot in the map at the present time (s)."""
         pose, late = Pose2D(0.0, 0.0), ""
-        for parent, child in ((self._frames.map, self._odom_frame), (self._odom_frame, self._frames.base)):
+        for parent, child in ((self.map_frame, self._odom_frame), (self._odom_frame, self._settings.base_frame)):
             found = self._stamped_lookup(parent, child, NEWEST)
             if found is None:
                 self._odom_in_map = None
@@ -104,7 +103,7 @@ class Sensing:
             if child == self._odom_frame:
                 self._odom_in_map = part
             pose = pose.compose(part)
-            if not late and stamp > 0.0 and now - stamp > self._frames.tolerance:
+            if not late and stamp > 0.0 and now - stamp > self._settings.transform_tolerance:
                 late = f"the transform from {parent} to {child} is {now - stamp:.1f} s old"
         return LocatedRobot(pose, late)
 
@@ -143,16 +142,16 @@ class Sensing:
     def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
         """Return the pose of a frame in the map, or None if unknown. An empty name is the map frame."""
         frame = frame.lstrip("/")
-        if frame in ("", self._frames.map):
+        if frame in ("", self.map_frame):
             return Pose2D(0.0, 0.0, 0.0)
-        return self._lookup(self._frames.map, frame, stamp) or self._lookup(self._frames.map, frame, NEWEST)
+        return self._lookup(self.map_frame, frame, stamp) or self._lookup(self.map_frame, frame, NEWEST)
 
-    def local_frame(self, name: str) -> Tuple[str, Pose2D]:
-        """Return a frame (empty: the odometry frame) and its pose in the map; the map frame if that is unknown."""
-        frame = name or self._odom_frame
+    def local_frame(self) -> Tuple[str, Pose2D]:
+        """Return the frame of the local costmap and its pose in the map; the map frame if that is unknown."""
+        frame = self._settings.local_frame or self._odom_frame
         known = self._odom_in_map if frame == self._odom_frame else None
-        pose = known or self._lookup(self._frames.map, frame, NEWEST)
-        return (frame, pose) if pose else (self._frames.map, Pose2D(0.0, 0.0, 0.0))
+        pose = known or self._lookup(self.map_frame, frame, NEWEST)
+        return (frame, pose) if pose else (self.map_frame, Pose2D(0.0, 0.0, 0.0))
 
     def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
         found = self._stamped_lookup(parent, child, stamp)
