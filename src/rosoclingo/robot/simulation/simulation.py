@@ -1,15 +1,16 @@
 """Simulation of a world: robots, doors and obstacles."""
 
 import math
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation.compiled.outlines import gap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.simulation.compiled.shapes import CLEAR, HIT_DISC, HIT_SEGMENT, HIT_WALL, body_hits
 from rosoclingo.robot.simulation.simulated_robot import Robot, Surroundings
-from rosoclingo.robot.simulation.spec import DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
+from rosoclingo.robot.simulation.spec import Box, DoorSpec, ObstacleSpec, Point, WorldError, WorldSpec
 from rosoclingo.robot.simulation.world_file import load_world
 
 # Relative tolerance of contacts, so that rounding does not turn a pose reached by driving into a collision.
@@ -92,18 +93,41 @@ class Simulation:
         self._change({robot: pose}, self.doors, self.obstacles)
         placed.place(pose)
 
-    def arrange(
-        self, robots: Mapping[str, Tuple[Pose2D, Pose2D]], doors: Mapping[str, bool], obstacles: Dict[str, ObstacleSpec]
-    ) -> None:
-        """Restore robots (pose and odometry, m), doors and obstacles in one operation.
+    def state(self) -> Dict[str, Any]:
+        """Return the present state as plain values (m, rad), from which a new process can resume after a crash.
 
-        Raises WorldError if a robot would be in collision or an obstacle is invalid.
+        ``robots`` contains pose and odometry (x, y, yaw each), ``doors`` whether they are open, ``obstacles`` x, y and
+        a radius, or x, y, width, depth and yaw. Time and velocities are not included.
         """
-        opened = {name: door._replace(open=doors[name]) for name, door in self.doors.items()}
-        self._change({name: pose for name, (pose, _) in robots.items()}, opened, dict(obstacles))
-        for name, (pose, odometry) in robots.items():
-            self.robots[name].place(pose)
-            self.robots[name].odometry = odometry
+        sizes = {name: one.at + (one.box or (one.radius,)) for name, one in self.obstacles.items()}
+        return {
+            "robots": {name: [*map(float, robot.pose + robot.odometry)] for name, robot in self.robots.items()},
+            "doors": {name: door.open for name, door in self.doors.items()},
+            "obstacles": {name: [*map(float, size)] for name, size in sizes.items()},
+        }
+
+    def resume(self, kept: Reader) -> None:
+        """Restore a state, with robots at rest.
+
+        Raises WorldError if the state does not fit this world, which then stays as it is.
+        """
+        wanted = "x, y, yaw of the robot, and x, y, yaw of its odometry"
+        robots = {name: item.numbers((6,), wanted=wanted) for name, item in kept.at("robots").entries()}
+        doors = {name: item.flag() for name, item in kept.at("doors").entries()}
+        wanted = "x, y and a radius, or x, y, width, depth and yaw"
+        sizes = {name: item.numbers((3, 5), wanted=wanted) for name, item in kept.at("obstacles").entries()}
+        kept.check(WorldError)
+        for known, found, what in ((self.robots, robots, "robots"), (self.doors, doors, "doors")):
+            if known.keys() != found.keys():
+                raise WorldError("the {} are {}, not {}".format(what, ", ".join(known), ", ".join(found)))
+        self._change(
+            {name: Pose2D(*numbers[:3]) for name, numbers in robots.items()},
+            {name: door._replace(open=doors[name]) for name, door in self.doors.items()},
+            {name: _obstacle(name, *numbers) for name, numbers in sizes.items()},
+        )
+        for name, robot in self.robots.items():
+            robot.place(robot.pose)
+            robot.odometry = Pose2D(*robots[name][3:])
 
     def set_door(self, door: str, opened: bool) -> None:
         """Open or close a door. Raises WorldError if it is unknown or a robot stands in it."""
@@ -230,6 +254,10 @@ def load_simulation(
         return Simulation(spec, watchdog)
     except WorldError as error:
         raise WorldError(f"world {path}: robots: {error}; change the pose or move the obstacle") from error
+
+
+def _obstacle(name: str, x: float, y: float, *size: float) -> ObstacleSpec:
+    return ObstacleSpec(name, (x, y), box=Box(*size)) if len(size) > 1 else ObstacleSpec(name, (x, y), size[0])
 
 
 def _edges(corners: List[Point]) -> List[Tuple[Point, Point]]:

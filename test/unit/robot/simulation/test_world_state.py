@@ -8,7 +8,6 @@ from navigation_worlds import room
 from rosoclingo.common.reading import Reader
 from rosoclingo.robot.navigation import Pose2D
 from rosoclingo.robot.simulation import Box, DoorSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
-from rosoclingo.robot.simulation.world_state import resume_world, world_state
 
 ROOM = room(4.0, 4.0, 0.05)
 WORLD = WorldSpec(
@@ -35,7 +34,7 @@ def lived_in():
 
 def resumed(state, spec=WORLD):
     world = Simulation(spec)
-    resume_world(world, Reader(state, "~kept"))
+    world.resume(Reader(state, "~kept"))
     return world
 
 
@@ -43,7 +42,7 @@ def test_world_state_restores_positions_at_rest():
     before = lived_in()
     assert before.robots["first"].v > 0.0
     assert before.robots["first"].odometry != before.robots["first"].pose, "odometry has drifted"
-    after = resumed(world_state(before))
+    after = resumed(before.state())
     for name, robot in before.robots.items():
         assert (after.robots[name].pose, after.robots[name].odometry) == (robot.pose, robot.odometry)
         assert (after.robots[name].v, after.robots[name].w) == (0.0, 0.0)
@@ -67,8 +66,8 @@ def test_world_state_restores_positions_at_rest():
 )
 def test_world_state_refuses_state_of_another_world(change, text):
     world = Simulation(WORLD)
-    before = world_state(world)
+    before = world.state()
     with pytest.raises(WorldError) as caught:
-        resume_world(world, Reader({**before, **change}, "~kept"))
+        world.resume(Reader({**before, **change}, "~kept"))
     assert text in str(caught.value)
-    assert world_state(world) == before
+    assert world.state() == before

@@ -22,7 +22,6 @@ from rosoclingo.robot.nodes.stage.robot_topics import RobotTopics, prefixes
 from rosoclingo.robot.simulation.simulation import Simulation, load_simulation
 from rosoclingo.robot.simulation.spec import Box, ObstacleSpec, WorldError
 from rosoclingo.robot.simulation.world_file import DELAY_LIMIT
-from rosoclingo.robot.simulation.world_state import resume_world, world_state
 from rosoclingo.srv import (
     PutObstacle,
     PutObstacleResponse,
@@ -198,7 +197,7 @@ class SimulatorNode:
         self._unkept |= moving
         if self._unkept and not (moving and time.monotonic() < self._keep_at):
             self._unkept, self._keep_at = moving, time.monotonic() + PERSIST_PERIOD
-            self._kept.store(world_state(self._simulation))
+            self._kept.store(self._simulation.state())
 
     def _until_next(self) -> float:
         """Return the time (s of wall time) until the next step."""
@@ -278,7 +277,7 @@ def _resume(simulation: Simulation, kept: Reader) -> None:
     """Restore a new world to its persisted state, if there is one that fits."""
     if kept.given:
         try:
-            resume_world(simulation, kept)
+            simulation.resume(kept)
             rospy.loginfo("resuming the world from its persisted state, at time 0")
         except WorldError as error:
             rospy.logwarn("the persisted state does not fit this world, which starts from its initial state: %s", error)
