@@ -20,24 +20,15 @@ class NavigatorState(enum.Enum):
 
 
 class NavigationOutcome(enum.Enum):
-    """How a goal ended. The message of the result gives the reason."""
+    """How a goal ended. The value begins the message of the result, which adds the reason."""
 
-    REACHED = 0
-    NO_PLAN = 1
-    NO_CONTROL = 2
-    OSCILLATING = 3
-    LOCALISATION_LOST = 4
-    LASER_LOST = 5
-    NO_PROGRESS = 6
-
-
-class Trigger(enum.Enum):
-    """Reason of a recovery: the outcome if recovery fails, and the message of move_base."""
-
-    PLANNING = (NavigationOutcome.NO_PLAN, "Failed to find a valid plan.")
-    CONTROLLING = (NavigationOutcome.NO_CONTROL, "Failed to find a valid control.")
-    OSCILLATION = (NavigationOutcome.OSCILLATING, "Robot is oscillating.")
-    STUCK = (NavigationOutcome.NO_PROGRESS, "Robot makes no progress.")
+    REACHED = "Goal reached"
+    NO_PLAN = "Failed to find a valid plan"
+    NO_CONTROL = "Failed to find a valid control"
+    OSCILLATING = "Robot is oscillating"
+    NO_PROGRESS = "Robot makes no progress"
+    LOCALISATION_LOST = "Localisation is lost"
+    LASER_LOST = "The laser is lost"
 
 
 #: Allowed transitions between states.

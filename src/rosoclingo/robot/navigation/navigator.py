@@ -19,7 +19,6 @@ from rosoclingo.robot.navigation.navigation_types import (
     NavigatorState,
     Result,
     Tick,
-    Trigger,
 )
 from rosoclingo.robot.navigation.planning import Planning
 from rosoclingo.robot.navigation.progress import PathProgress
@@ -121,7 +120,7 @@ class Navigator:
         if now - self._blind_since <= self.limits.controller_patience:
             return Tick()
         self._go(NavigatorState.IDLE)
-        return Tick(result=Result(outcome, reason))
+        return Tick(result=Result(outcome, f"{outcome.value}: {reason}"))
 
     def _start(self, now: float) -> None:
         """Reset timers and counters for a new goal."""
@@ -132,7 +131,6 @@ class Navigator:
         self._planned_at = -math.inf
         self._tries = self._recovery = 0
         self._running: Optional[RecoveryBehavior] = None
-        self._reason = ""
         self._blind_since = None
 
     def _go(self, state: NavigatorState) -> None:
@@ -152,13 +150,13 @@ class Navigator:
             self._go(NavigatorState.CONTROLLING)
             return self._controlling(now, pose, velocity, period)
         self._tries += 1
-        self._reason = self.plan.outcome.value
+        outcome, reason = NavigationOutcome.NO_PLAN, self.plan.outcome.value
         if self.plan.outcome.on_map:
-            return Tick(result=Result(NavigationOutcome.NO_PLAN, f"Failed to find a valid plan: {self._reason}."))
+            return Tick(result=Result(outcome, f"{outcome.value}: {reason}."))
         patient = now - self._last_plan <= self.limits.planner_patience
         if patient and not 0 <= self.limits.max_planning_retries < self._tries:
             return Tick()
-        return self._recover(now, pose, Trigger.PLANNING)
+        return self._recover(now, pose, outcome, reason)
 
     def _controlling(self, now: float, pose: Pose2D, velocity: Velocity, period: float) -> Tick:
         """Follow the path. Replan at planner_frequency and when the path is blocked."""
@@ -169,22 +167,20 @@ class Navigator:
         if self._progress.update(now, self.follower.length_left(pose)):
             self._recovery = 0
             self.costmap.unbar()
-        for trigger, reason in (
-            (Trigger.OSCILLATION, self._progress.oscillates(now, pose)),
-            (Trigger.STUCK, self._progress.stuck(now)),
+        for outcome, reason in (
+            (NavigationOutcome.OSCILLATING, self._progress.oscillates(now, pose)),
+            (NavigationOutcome.NO_PROGRESS, self._progress.stuck(now)),
         ):
             if reason:
-                self._reason = reason
-                return self._recover(now, pose, trigger)
+                return self._recover(now, pose, outcome, reason)
         command = self.follower.compute(self.costmap, pose, velocity, period)
         if command.outcome is FollowOutcome.REACHED:
-            return Tick(result=Result(NavigationOutcome.REACHED, "Goal reached."))
+            return Tick(result=Result(NavigationOutcome.REACHED, NavigationOutcome.REACHED.value + "."))
         if command.outcome is FollowOutcome.DRIVING:
             self._last_control = now
             return Tick(command.velocity)
-        self._reason = command.outcome.value
         if now - self._last_control > self.limits.controller_patience:
-            return self._recover(now, pose, Trigger.CONTROLLING)
+            return self._recover(now, pose, NavigationOutcome.NO_CONTROL, command.outcome.value)
         if command.at is not None:
             self.costmap.bar(*command.at)
         self._changed = True  # replan, in case the robot has left its path
@@ -204,15 +200,14 @@ class Navigator:
         self._go(NavigatorState.PLANNING)
         return Tick()
 
-    def _recover(self, now: float, pose: Pose2D, trigger: Trigger) -> Tick:
+    def _recover(self, now: float, pose: Pose2D, outcome: NavigationOutcome, reason: str) -> Tick:
         """Start the next recovery behaviour, or abort if there is none left."""
-        outcome, words = trigger.value
         if not self.limits.recovery_behavior_enabled or self._recovery >= len(self.recoveries):
-            words += " Even after executing recovery behaviors"
-            return Tick(result=Result(outcome, f"{words}: {self._reason or outcome.name.lower()}."))
+            words = "Even after executing recovery behaviors"
+            return Tick(result=Result(outcome, f"{outcome.value}. {words}: {reason}."))
         self._running = self.recoveries[self._recovery]
         self._recovery += 1
-        self.on_log(f"{self._reason or trigger.name.lower()}: recovery behavior {self._running.name}")
+        self.on_log(f"{reason}: recovery behavior {self._running.name}")
         self.on_recovery(self._running, self._recovery - 1, len(self.recoveries), pose)
         self._running.start(now, pose)
         self._go(NavigatorState.CLEARING)

@@ -179,7 +179,7 @@ def test_navigator_stops_blind_robot_and_loses_patience():
     assert fixed.tick(0.1).velocity != Velocity()
     for now in (1.0, 2.0, 4.0):
         assert fixed.blind(now) == (Velocity(), None)
-    assert fixed.blind(4.1).result == (NavigationOutcome.LASER_LOST, "no scan")
+    assert fixed.blind(4.1).result == (NavigationOutcome.LASER_LOST, "The laser is lost: no scan")
     assert fixed.navigator.state is NavigatorState.IDLE
 
 

@@ -9,6 +9,7 @@ from navigation_worlds import Drive, room, simulation
 from rosoclingo.robot.navigation import (
     Costmap,
     GridPlanner,
+    NavigationOutcome,
     NavigatorState,
     PlanOutcome,
     Pose2D,
@@ -84,8 +85,8 @@ def test_late_plan_that_is_obsolete_is_dropped(end):
     elif end == "map":
         navigator.take_map(Costmap(room(walls=WALLS)))
     else:
-        navigator.stop_blind(1.0, None, "")
-        navigator.stop_blind(100.0, None, "")
+        navigator.stop_blind(1.0, NavigationOutcome.LASER_LOST, "")
+        navigator.stop_blind(100.0, NavigationOutcome.LASER_LOST, "")
         assert not navigator.active
         navigator.set_goal(101.0, GOAL)
     assert planning.dropped == 1

@@ -269,11 +269,9 @@ class MoveBaseNode:
         period, patience = self._settings.controller_period, self._patience.now
         laser_age = self._sensing.laser_age(now)
         if located.pose is None or located.fault:
-            tick = navigator.stop_blind(
-                patience, NavigationOutcome.LOCALISATION_LOST, "Localisation is lost: " + located.fault
-            )
+            tick = navigator.stop_blind(patience, NavigationOutcome.LOCALISATION_LOST, located.fault)
         elif self._settings.obstacles and laser_age > self._settings.scan_timeout > 0.0:
-            text = f"The laser is lost: no scan on {self._settings.scan_topic} for {laser_age:.1f} s"
+            text = f"no scan on {self._settings.scan_topic} for {laser_age:.1f} s"
             tick = navigator.stop_blind(patience, NavigationOutcome.LASER_LOST, text)
         else:
             tick = navigator.tick(patience, located.pose, self._sensing.velocity, max(period, 0.05))
