@@ -2,6 +2,7 @@
 
 import math
 import traceback
+from concurrent import futures
 from functools import partial
 from typing import Any, Optional, Tuple
 
@@ -16,28 +17,34 @@ from move_base_msgs.msg import (
     MoveBaseResult,
 )
 from nav_msgs.msg import OccupancyGrid as OccupancyGridMessage
+from nav_msgs.srv import GetPlan, GetPlanResponse
 from rospy.numpy_msg import numpy_msg
 from std_srvs.srv import Empty, EmptyResponse
 
 from rosoclingo.common.action_servers import announce_server, forget_goal_times, start_server
 from rosoclingo.common.parameters import Parameters
 from rosoclingo.common.prompt_publisher import prompt_publisher
-from rosoclingo.common.worker import Worker
+from rosoclingo.common.worker import Worker, ending
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import MapError
+from rosoclingo.robot.navigation.grid_planner import PlanOutcome
 from rosoclingo.robot.navigation.local_planner import Velocity
 from rosoclingo.robot.navigation.navigation_types import NavigationOutcome, Result
 from rosoclingo.robot.navigation.navigator import Navigator
 from rosoclingo.robot.navigation.patience import PatienceClock
 from rosoclingo.robot.nodes.compiling import compile_once
-from rosoclingo.robot.nodes.messages import grid_from_message, stamped_pose, to_pose2d
+from rosoclingo.robot.nodes.messages import grid_from_message, path_message, stamped_pose, to_pose2d
 from rosoclingo.robot.nodes.move_base.command_watch import CommandWatch
 from rosoclingo.robot.nodes.move_base.display import Display
-from rosoclingo.robot.nodes.move_base.make_plan import PlanService
 from rosoclingo.robot.nodes.move_base.navigation_settings import Settings
 from rosoclingo.robot.nodes.move_base.planning_thread import PlanningThread
-from rosoclingo.robot.nodes.move_base.plugins import global_planner, local_planner, recoveries
+from rosoclingo.robot.nodes.move_base.plugins import (
+    global_planner,
+    global_planner_namespace,
+    local_planner,
+    recoveries,
+)
 from rosoclingo.robot.nodes.move_base.sensing import LocatedRobot, Sensing
 
 INVALID_QUATERNION = "Aborting on goal because it was sent with an invalid quaternion"
@@ -178,7 +185,8 @@ class MoveBaseNode:
             rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1),
         )
         self._services = (
-            *PlanService(self._worker, self._sensing, self._planning, self._place).services,
+            rospy.Service("~make_plan", GetPlan, self._on_make_plan),
+            rospy.Service(f"~{global_planner_namespace()}/make_plan", GetPlan, self._on_make_plan),
             rospy.Service("~clear_costmaps", Empty, self._on_clear),
         )
         self._worker.put(compile_once, "navigation", rospy.loginfo)
@@ -197,6 +205,28 @@ class MoveBaseNode:
     def _on_clear(self, _: Any) -> EmptyResponse:
         self._worker.ask(self._clear)
         return EmptyResponse()
+
+    def _on_make_plan(self, request: Any) -> GetPlanResponse:
+        """Wait for the plan, in the thread of the call. The response is an empty path if there is none."""
+        response = GetPlanResponse()
+        response.plan.header.frame_id = self._settings.map_frame
+        asked = self._worker.ask(lambda: self._ask_plan(request))
+        if asked is None:
+            rospy.logerr("make_plan: there is no map yet, or tf does not know the frame of start or goal")
+            return response
+        future, yaw = asked
+        while not futures.wait([future], 0.5).done:
+            if ending():
+                raise rospy.ServiceException(f"{rospy.get_name()} is shutting down")
+        try:
+            plan = future.result()
+        except Exception:  # noqa: BLE001 a user's planner can raise any exception
+            rospy.logerr("make_plan: the planner failed:\n%s", traceback.format_exc())
+            return response
+        if plan.outcome is PlanOutcome.FOUND:
+            return GetPlanResponse(path_message(plan.points, self._settings.map_frame, yaw))
+        rospy.logwarn("make_plan: %s", plan.outcome.value)
+        return response
 
     def _stop(self) -> None:
         self._worker.stop(2.0)
@@ -341,9 +371,23 @@ class MoveBaseNode:
             self._drive(Velocity())
             self._server.set_preempted(MoveBaseResult(), "The goal was cancelled.")
 
-    def _place(self) -> Tuple[Optional[Costmap], Optional[Pose2D]]:
-        """Return the costmap and the robot's pose, None if unknown."""
-        return self._navigator and self._navigator.costmap, self._pose
+    def _ask_plan(self, request: Any) -> Optional[Tuple[futures.Future, float]]:
+        """Request a plan for a service. Return its future and its final yaw, or None if the map or a pose is unknown.
+
+        A start without a frame is the robot.
+        """
+        goal = self._in_map(request.goal)
+        start = self._in_map(request.start) if request.start.header.frame_id else self._pose
+        if self._navigator is None or goal is None or start is None:
+            return None
+        return self._planning.submit(self._navigator.costmap, start, goal, request.tolerance), goal.yaw
+
+    def _in_map(self, message: PoseStamped) -> Optional[Pose2D]:
+        """Return a pose in the map frame. The orientation is optional, since planning only needs the position."""
+        position = message.pose.position
+        pose = to_pose2d(message.pose) or Pose2D(position.x, position.y, 0.0)
+        frame = self._sensing.to_map(message.header.frame_id, message.header.stamp)
+        return frame.compose(pose) if frame else None
 
     def _clear(self) -> None:
         if self._navigator is not None and self._pose is not None:

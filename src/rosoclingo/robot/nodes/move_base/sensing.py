@@ -40,7 +40,7 @@ class Sensing:
     """
 
     def __init__(self, settings: Settings, worker: Worker) -> None:
-        self._settings, self.map_frame = settings, settings.map_frame
+        self._settings, self._map_frame = settings, settings.map_frame
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._odom_frame = "odom"
@@ -94,7 +94,7 @@ class Sensing:
     def locate(self, now: float) -> LocatedRobot:
         """Return the pose of the robot in the map at the present time (s)."""
         pose, late = Pose2D(0.0, 0.0), ""
-        for parent, child in ((self.map_frame, self._odom_frame), (self._odom_frame, self._settings.base_frame)):
+        for parent, child in ((self._map_frame, self._odom_frame), (self._odom_frame, self._settings.base_frame)):
             found = self._stamped_lookup(parent, child, NEWEST)
             if found is None:
                 self._odom_in_map = None
@@ -142,16 +142,16 @@ class Sensing:
     def to_map(self, frame: str, stamp: rospy.Time) -> Optional[Pose2D]:
         """Return the pose of a frame in the map, or None if unknown. An empty name is the map frame."""
         frame = frame.lstrip("/")
-        if frame in ("", self.map_frame):
+        if frame in ("", self._map_frame):
             return Pose2D(0.0, 0.0, 0.0)
-        return self._lookup(self.map_frame, frame, stamp) or self._lookup(self.map_frame, frame, NEWEST)
+        return self._lookup(self._map_frame, frame, stamp) or self._lookup(self._map_frame, frame, NEWEST)
 
     def local_frame(self) -> Tuple[str, Pose2D]:
         """Return the frame of the local costmap and its pose in the map; the map frame if that is unknown."""
         frame = self._settings.local_frame or self._odom_frame
         known = self._odom_in_map if frame == self._odom_frame else None
-        pose = known or self._lookup(self.map_frame, frame, NEWEST)
-        return (frame, pose) if pose else (self.map_frame, Pose2D(0.0, 0.0, 0.0))
+        pose = known or self._lookup(self._map_frame, frame, NEWEST)
+        return (frame, pose) if pose else (self._map_frame, Pose2D(0.0, 0.0, 0.0))
 
     def _lookup(self, parent: str, child: str, stamp: rospy.Time) -> Optional[Pose2D]:
         found = self._stamped_lookup(parent, child, stamp)
