@@ -244,11 +244,6 @@ class Grounding(StepwiseGrounding):
     # ---- Inspection --------------------------------------------------------------------------------------------------
 
     @property
-    def atom_literals(self) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """The atoms with their literals; facts are left out if clingo has no literal for them."""
-        return ((one.symbol, one.literal) for one in self._control.symbolic_atoms if one.literal)
-
-    @property
     def possible_atoms(self) -> List[clingo.Symbol]:
         """All atoms that can be true; atoms that clingo has simplified away are false."""
         self._session.close()
@@ -339,8 +334,8 @@ class Grounding(StepwiseGrounding):
             return UNKNOWN
         if result.satisfiable or answers:
             counted = answers if question.proven else answers[-1:]
-            shown, read = tuple(one.answers[0] for one in counted), tuple(one.read[0] for one in counted)
-            return answers[-1]._replace(answers=shown, read=read)
+            shown, atoms = tuple(one.answers[0] for one in counted), tuple(one.atoms[0] for one in counted)
+            return answers[-1]._replace(answers=shown, atoms=atoms)
         if self.is_conflicting:
             # A statement that lapses could end the conflict.
             lasts = all(one.lifetime == FOREVER for one in self.snapshot.timed_statements)
@@ -360,10 +355,10 @@ class Grounding(StepwiseGrounding):
             self.shown = frozenset(model.symbols(shown=True)) - self._hidden
         horizon = self._ends.horizon_of(model, question.first, question.last)
         predicted = PredictedReturns() if self._return_rules is None else self._predict(model, self._return_rules)
-        read = tuple(one(model) for one in question.reads)
+        atoms = frozenset(model.symbols(atoms=True) if question.whole else ())
         cost, optimal = tuple(model.cost), bool(model.optimality_proven)
         shown = self.shown | self._compacted
-        answers.append(Reply(True, (shown,), horizon, cost, optimal, predicted=predicted, read=(read,)))
+        answers.append(Reply(True, (shown,), horizon, cost, optimal, predicted=predicted, atoms=(atoms,)))
         differ = [one.literal for one in self._atoms(question.differ)]
         if differ and question.models != 1:
             model.context.add_clause([-one if model.is_true(one) else one for one in differ])

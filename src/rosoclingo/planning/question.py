@@ -19,10 +19,6 @@ def never() -> bool:
     return False
 
 
-Read = Callable[[clingo.Model], FrozenSet[clingo.Symbol]]
-"""Reads a set of symbols from a model."""
-
-
 class Question(NamedTuple):
     """Is there an answer with a horizon between ``first`` and ``last``?
 
@@ -42,7 +38,7 @@ class Question(NamedTuple):
         advised: use the ``#heuristic`` statements.
         shows: compute the shown atoms of each answer.
         differ: any two answers differ in at least one of these atoms.
-        reads: functions to apply to the model of each answer.
+        whole: compute all true atoms of each answer.
 
     """
 
@@ -61,7 +57,7 @@ class Question(NamedTuple):
     advised: bool = True
     shows: bool = True
     differ: Sequence[clingo.Symbol] = ()
-    reads: Sequence[Read] = ()
+    whole: bool = False
 
 
 class Reply(NamedTuple):
@@ -77,7 +73,7 @@ class Reply(NamedTuple):
         hopeless: whether all other horizons are unsatisfiable too, for the same reason.
         permanent: whether the program stays unsatisfiable after any further update.
         predicted: returns that leave the last answer valid.
-        read: the results of the question's ``reads`` for each answer.
+        atoms: all true atoms of each answer, if the question is ``whole``.
 
     """
 
@@ -90,7 +86,7 @@ class Reply(NamedTuple):
     hopeless: bool = False
     permanent: bool = False
     predicted: PredictedReturns = PredictedReturns()
-    read: Tuple[Tuple[FrozenSet[clingo.Symbol], ...], ...] = ()
+    atoms: Tuple[FrozenSet[clingo.Symbol], ...] = ()
 
     @property
     def plan(self) -> Plan:

@@ -1,21 +1,16 @@
 """Beliefs: the part of the past that rules of later steps can see. States with equal beliefs behave alike."""
 
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
-from weakref import WeakKeyDictionary
+from typing import Dict, FrozenSet, NamedTuple, Optional, Tuple
 
 import clingo
 
 from rosoclingo.checking.verifying.time_shift import TimeShift
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
-from rosoclingo.planning.grounding import Grounding
-from rosoclingo.planning.question import Read
 from rosoclingo.planning.snapshot import Snapshot
-from rosoclingo.reasoning.keywords import FAILED, NEVER, RETURN
+from rosoclingo.reasoning.keywords import FAILED, RETURN
 
 _ANSWERS = (Signature(RETURN, 3), Signature(FAILED, 3))
-
-_Literals = List[Tuple[clingo.Symbol, int]]
 
 
 class Belief(NamedTuple):
@@ -30,21 +25,8 @@ class Belief(NamedTuple):
         return frozenset(one for one in self.atoms if signature_of(one) not in _ANSWERS)
 
 
-class _AtomsByTime:
-    """The atoms of a grounding by time (None without one), the visible ones by step, and the forbidden states."""
-
-    def __init__(self, grounding: Grounding, shift: TimeShift) -> None:
-        self.at: Dict[Optional[int], _Literals] = {}
-        self.seen: Dict[int, _Literals] = {}
-        self.never: _Literals = []
-        for atom, literal in grounding.atom_literals:
-            self.at.setdefault(shift.time_of(atom), []).append((atom, literal))
-            if atom.match(NEVER, 2) and atom.arguments[1].type is clingo.SymbolType.Number:
-                self.never.append((atom, literal))
-
-
 class Beliefs:
-    """Reads beliefs from models; ``late`` is the number of steps that facts can be late.
+    """Reads beliefs from answers; ``late`` is the number of steps that facts can be late.
 
     As programs choose only actions, the past before step k is the same in all answers after the update of step k.
     """
@@ -54,45 +36,34 @@ class Beliefs:
         self._program = program
         self._shift = TimeShift(program.parts, program.values)
         self._stepped = program.external_signatures | program.step_signatures
+        self._relative: Dict[Tuple[clingo.Symbol, int], Optional[clingo.Symbol]] = {}
         self._visible: Dict[clingo.Symbol, bool] = {}
-        self._atoms: WeakKeyDictionary[Grounding, _AtomsByTime] = WeakKeyDictionary()
-
-    def readers(self, grounding: Grounding, step: int) -> Sequence[Read]:
-        """Return readers of the visible past before ``step``, of that for late facts, and of forbidden states."""
-        if grounding not in self._atoms:
-            self._atoms[grounding] = _AtomsByTime(grounding, self._shift)
-        atoms = self._atoms[grounding]
-        for first in (step, step - self.late):
-            if first not in atoms.seen:
-                atoms.seen[first] = list(self._seen(atoms, first))
-        never = [(one, literal) for one, literal in atoms.never if one.arguments[1].number <= step]
-        return [_reader(one) for one in (atoms.seen[step], atoms.seen[step - self.late], never)]
 
     def belief(self, atoms: FrozenSet[clingo.Symbol], snapshot: Snapshot, late: int) -> Belief:
-        """Return the belief in a snapshot from the ``atoms`` read, for facts that are at most ``late`` steps late."""
+        """Return the belief in a snapshot, with all true ``atoms``, for facts that are at most ``late`` steps late."""
         first = snapshot.step - late
         facts = (one.head for one in snapshot.permanent if one.head is not None and not one.body)
         executed = (one for cycle, actions in snapshot.closed.items() if cycle >= first for one in actions)
         times = ((one, self._shift.time_of(one)) for one in (*facts, *executed))
         inputs = (self._shift.shift(one, -first) for one, time in times if time is None or time >= first)
-        visible = atoms.union(filter(self._is_visible, inputs))
+        past = (self._relative_to(first, atom) for atom in atoms)
+        visible = frozenset(one for one in past if one is not None).union(filter(self._is_visible, inputs))
         return Belief(visible, self._shift.phase(first, frozenset(map(signature_of, visible))))
 
-    def _seen(self, atoms: _AtomsByTime, first: int) -> Iterator[Tuple[clingo.Symbol, int]]:
-        """Yield the atoms of steps before ``first`` that later rules can see, with times relative to ``first``."""
-        for time, found in atoms.at.items():
+    def _relative_to(self, first: int, atom: clingo.Symbol) -> Optional[clingo.Symbol]:
+        """Return an atom of a step before ``first`` with times relative to it, None if no later rule can see it."""
+        key = atom, first
+        if key not in self._relative:
+            time = self._shift.time_of(atom)
             if time is None:
-                yield from (one for one in found if signature_of(one[0]) in self._stepped)
-            elif time < first:
-                moved = ((self._shift.shift(atom, -first), literal) for atom, literal in found)
-                yield from (one for one in moved if self._is_visible(one[0]))
+                self._relative[key] = atom if signature_of(atom) in self._stepped else None
+            else:
+                moved = self._shift.shift(atom, -first)
+                self._relative[key] = moved if time < first and self._is_visible(moved) else None
+        return self._relative[key]
 
     def _is_visible(self, atom: clingo.Symbol) -> bool:
         """Return whether rules of step 0 or later can see an earlier atom."""
         if atom not in self._visible:
             self._visible[atom] = self._program.can_mention(atom, 0)
         return self._visible[atom]
-
-
-def _reader(atoms: Sequence[Tuple[clingo.Symbol, int]]) -> Read:
-    return lambda model: frozenset(atom for atom, literal in atoms if model.is_true(literal))

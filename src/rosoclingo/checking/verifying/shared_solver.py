@@ -5,7 +5,7 @@ verification uses this to explore many streams of one program.
 """
 
 from dataclasses import replace
-from typing import Callable, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 
@@ -19,11 +19,8 @@ from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.planning_solver import PlanningSolver
-from rosoclingo.planning.question import Question, Read, Reply, Stop
+from rosoclingo.planning.question import Question, Reply, Stop
 from rosoclingo.planning.snapshot import Snapshot
-
-Readers = Callable[[Grounding, int], Sequence[Read]]
-"""Returns the readers of an answer's model, given its grounding and the step of the update."""
 
 _FIRST, _GROWTH = 16, 2
 """Steps of the first grounding, and the factor by which further ones are longer."""
@@ -37,12 +34,12 @@ class HaltedError(Exception):
 
 
 class SharedAnswer(NamedTuple):
-    """An answer: the actions of the present step, the shown atoms, the horizon, and the sets read from the model."""
+    """An answer: the actions of the present step, the shown atoms, the horizon, and all true atoms."""
 
     actions: FrozenSet[clingo.Symbol]
     shown: FrozenSet[clingo.Symbol]
     horizon: int
-    read: Tuple[FrozenSet[clingo.Symbol], ...]
+    atoms: FrozenSet[clingo.Symbol]
 
 
 class Choices:
@@ -72,7 +69,6 @@ class Streams:
         self,
         program: ReactiveProgram,
         known: Iterable[clingo.Symbol],
-        readers: Readers = lambda grounding, step: (),
         halt: Stop = lambda: False,
         all_plans: bool = True,
     ) -> None:
@@ -82,7 +78,7 @@ class Streams:
         """
         self.program, self.choices = program, Choices()
         self._known: Set[clingo.Symbol] = set()
-        self._readers, self._halt, self._all_plans = readers, halt, all_plans
+        self._halt, self._all_plans = halt, all_plans
         self._groundings: Dict[int, Grounding] = {}  # by the last step
         self.learn(known)
 
@@ -121,12 +117,10 @@ class Streams:
         grounding, question = least
         actions = frozenset(grounding.actions(snapshot.step, snapshot.step))
         several = self._all_plans and not any(snapshot.lapsing)
-        reads = (lambda model: frozenset(filter(model.contains, actions)), *self._readers(grounding, snapshot.step))
-        reply = self._ask(
-            grounding,
-            question._replace(models=_MOST if several else 1, differ=tuple(actions), shows=True, reads=reads),
-        )
-        found = [SharedAnswer(one[0], shown, reply.horizon, one[1:]) for shown, one in zip(reply.answers, reply.read)]
+        models = _MOST if several else 1
+        reply = self._ask(grounding, question._replace(models=models, differ=tuple(actions), shows=True, whole=True))
+        pairs = zip(reply.answers, reply.atoms)
+        found = [SharedAnswer(atoms & actions, shown, reply.horizon, atoms) for shown, atoms in pairs]
         return sorted(found, key=lambda one: sorted(one.actions))
 
     def _descend(

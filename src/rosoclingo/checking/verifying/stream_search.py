@@ -8,6 +8,8 @@ import heapq
 from itertools import count
 from typing import Dict, FrozenSet, Hashable, Iterator, List, NamedTuple, Optional, Tuple
 
+from clingo import Symbol, SymbolType
+
 from rosoclingo.checking.verifying.beliefs import Belief, Beliefs
 from rosoclingo.checking.verifying.defects import Defect, Defects
 from rosoclingo.checking.verifying.moves import GOAL, Achievement, Move, Moves, Repertory, achievements_after, thing_of
@@ -19,7 +21,7 @@ from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.planning.question import Stop
 from rosoclingo.reasoning.events import GoalChanged
 from rosoclingo.reasoning.explanations import text_of
-from rosoclingo.reasoning.keywords import cancellation, request
+from rosoclingo.reasoning.keywords import NEVER, cancellation, request
 from rosoclingo.reasoning.settings import CoreSettings
 
 PATIENCE = 3
@@ -62,9 +64,7 @@ class StreamSearch:
         self._beliefs = Beliefs(program, limits.late if repertory.facts else 0)
         requests = [request(one, 1) for one in repertory.goals]
         cancels = [cancellation(one.arguments[-1], 1) for one in repertory.goals]
-        self._streams = Streams(
-            program, [*repertory.facts, *requests, *cancels], self._beliefs.readers, halt, limits.all_plans
-        )
+        self._streams = Streams(program, [*repertory.facts, *requests, *cancels], halt, limits.all_plans)
         self._things = {one.arguments[-1] for one in repertory.goals}
         self._moves = Moves(program, repertory, limits)
         self._settings = CoreSettings(horizon_limit=limits.steps, search_timeout=0.0)
@@ -189,7 +189,7 @@ class StreamSearch:
     def _belief(self, core: TrialCore, late: int) -> Belief:
         found = core.solver.found
         assert found is not None
-        return self._beliefs.belief(found.read[1 if late else 0], core.solver.snapshot, late)
+        return self._beliefs.belief(found.atoms, core.solver.snapshot, late)
 
     # -- defects
 
@@ -208,8 +208,9 @@ class StreamSearch:
 
     def _note_forbidden(self, node: StateNode, core: TrialCore) -> None:
         found = core.solver.found
-        if found is not None and found.read[2]:
-            self._add(DefectKind.FORBIDDEN, node, text_of(min(found.read[2], key=str).arguments[0]))
+        never = [] if found is None else [one for one in found.atoms if _is_forbidden(one, core.solver.snapshot.step)]
+        if never:
+            self._add(DefectKind.FORBIDDEN, node, text_of(min(never, key=str).arguments[0]))
         for fault in core.plan.faults:
             self._add(DefectKind.MALFORMED, node, fault)
         for one in node.awaited:
@@ -232,6 +233,11 @@ class StreamSearch:
             kind = DefectKind.NEVER_ENDED if circle.acts else DefectKind.PUT_OFF
             way, goals = (*circle.node.way, *circle.steps), ", ".join(circle.node.goals)
             self._found.add(Defect(kind, way, goals, circle.node.cost, circular=True))
+
+
+def _is_forbidden(atom: Symbol, step: int) -> bool:
+    """Return whether an atom is a ``_never(Text,C)`` of a cycle up to ``step``."""
+    return atom.match(NEVER, 2) and atom.arguments[1].type is SymbolType.Number and atom.arguments[1].number <= step
 
 
 def _goals_of(core: TrialCore) -> Hashable:
