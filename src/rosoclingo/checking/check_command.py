@@ -1,13 +1,12 @@
 """The command ``check``: reports likely errors of a program in the format of a compiler."""
 
 import argparse
-import gc
 import json
 import shutil
 import sys
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from rosoclingo.checking.extension import NO_EXTENSION, CheckExtension
 from rosoclingo.checking.lint.kinds import LintFinding
@@ -106,8 +105,7 @@ def check(options: argparse.Namespace, extension: CheckExtension = NO_EXTENSION)
         sys.stderr.writelines(f"{fault}\n" for fault in unreadable)
         return UNREADABLE
     try:
-        with _without_collection():
-            report, program = _lint([*sources, *added], constants, stream, extension)
+        report, program = _lint([*sources, *added], constants, stream, extension)
         if program is not None and not program.faults:
             trials = _trials(program, stream, options, extension)
             report = report._replace(trials=trials, verification=verify_option.run(program, options, extension))
@@ -165,19 +163,6 @@ class _Report(NamedTuple):
         if self.verification is not None:
             report["verify"] = self.verification.to_message()
         return report
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Suspend Python's garbage collection, which costs time and frees nothing, as all objects stay in use."""
-    on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if on:
-            gc.freeze()
-            gc.enable()
 
 
 def _trials(
