@@ -249,7 +249,7 @@ class InterfaceNode(unittest.TestCase):
             "~labels/a: must be {x, y, yaw} or [x, y, yaw], not 3",
             "~names: ~interfaces has no entry tail; its entries are ",
             "~server, ~timeout, ~server_timeout, ~pause, ~retries and ~repeatable need",
-            "~server: must be the name of an actionlib server, not 3",
+            "~server: must be the name of an actionlib server, of letters, digits, _ and /, not 3",
             "~timeout: must be a number of at least 0",
             "~interfaces: pickup.timeout: must be a number of at least 0",
             "~interfaces: pickup.goal.pack: rosoclingo/PickupGoal has no such field; it has package",
