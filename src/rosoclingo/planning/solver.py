@@ -21,7 +21,7 @@ from rosoclingo.planning.compaction import compacted, end_of_past, first_open, r
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import AcceptedUpdate, Plan
 from rosoclingo.planning.idling import may_idle
-from rosoclingo.planning.planning_solver import PlanningSolver
+from rosoclingo.planning.planning_solver import LONG, PlanningSolver
 from rosoclingo.planning.question import UNKNOWN, Reply, Stop, never
 from rosoclingo.planning.return_rules import is_predictable
 from rosoclingo.planning.snapshot import Snapshot
@@ -40,7 +40,7 @@ LEAST_STEPS = 16
 MANY_STEPS = 64
 """Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
 
-LOG_LIMIT = 40
+LOG_LIMIT = 2 * LONG
 """Number of updates after which a checkpoint follows a search; it comes earlier if the robot acts meanwhile."""
 
 _OUTCOMES = {

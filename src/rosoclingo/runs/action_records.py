@@ -54,6 +54,7 @@ class ActionRecords:
         present = [cycle for cycle, _ in known if cycle == answer.cycle]
         ended = [cycle for cycle, number in known if self._table[number]["value"] == value]
         oldest = [cycle for cycle, number in reversed(known) if self._table[number]["ended"] is None]
+        # the action that the value names; else one of this cycle, one that ended so, or the oldest that runs
         return answer._replace(cycle=next(iter((*named, *present, *ended, *oldest)), answer.cycle))
 
     def _cancel(self, text: str) -> None:

@@ -26,13 +26,12 @@ class Belief(NamedTuple):
 
 
 class Beliefs:
-    """Reads beliefs from answers; ``late`` is the number of steps that facts can be late.
+    """Reads beliefs from answers.
 
     As programs choose only actions, the past before step k is the same in all answers after the update of step k.
     """
 
-    def __init__(self, program: ReactiveProgram, late: int) -> None:
-        self.late = late
+    def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
         self._shift = TimeShift(program.parts, program.values)
         self._stepped = program.external_signatures | program.step_signatures

@@ -61,7 +61,7 @@ class StreamSearch:
     ) -> None:
         """Prepare a search; ``halt`` ends it, and so does the first depth with a defect that is not ``skipped``."""
         self._program, self._limits, self._halt = program, limits, halt
-        self._beliefs = Beliefs(program, limits.late if repertory.facts else 0)
+        self._beliefs, self._late = Beliefs(program), limits.late if repertory.facts else 0
         requests = [request(one, 1) for one in repertory.goals]
         cancels = [cancellation(one.arguments[-1], 1) for one in repertory.goals]
         self._streams = Streams(program, [*repertory.facts, *requests, *cancels], halt, limits.all_plans)
@@ -104,7 +104,7 @@ class StreamSearch:
             return
         node = StateNode(core.snapshot())
         self._complete(node, core)
-        self._enter(node, self._key(node, core, self._beliefs.late))
+        self._enter(node, self._key(node, core, self._late))
 
     def _core_at(self, node: Optional[StateNode]) -> TrialCore:
         snapshot = None if node is None else node.snapshot
@@ -153,7 +153,7 @@ class StreamSearch:
         after = StateNode(core.snapshot(), node, step)
         self._complete(after, core)
         self._note_forbidden(after, core)
-        late = 0 if after.cost >= self._limits.events else self._beliefs.late
+        late = 0 if after.cost >= self._limits.events else self._late
         key = self._key(after, core, late)
         known = self._met.get(key)
         if known is None:
