@@ -251,11 +251,6 @@ class Grounding(StepwiseGrounding):
         return [one.symbol for one in self._control.symbolic_atoms]
 
     @property
-    def size(self) -> int:
-        """The number of atoms."""
-        return len(self._control.symbolic_atoms)
-
-    @property
     def assumable(self) -> FrozenSet[clingo.Symbol]:
         """The facts that a question can disable."""
         return self._assumables.facts

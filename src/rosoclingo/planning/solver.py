@@ -104,12 +104,6 @@ class PlanSolver(PlanningSolver):
         """The snapshot of the history."""
         return self.log.snapshot(self.program)
 
-    @property
-    def atoms(self) -> int:
-        """The number of atoms in the larger of both groundings in use, 0 if there is none."""
-        runners = self._searched, None if self._probed is None else self._probed.runner
-        return max((one.grounding.size for one in runners if one is not None), default=0)
-
     # ---- Searching ---------------------------------------------------------------------------------------------------
 
     def search(self, update: Optional[StreamUpdate], stopped: Stop) -> SolveResult:

@@ -40,9 +40,6 @@ class LoggedSolver(ReactiveSolver):
         self.log = self.log.with_entries(AcceptedUpdate(update, self.horizon))
         return result
 
-    #: The number of atoms in the grounding is not known.
-    atoms = 0
-
     @staticmethod
     def recent(answer: Answer) -> Answer:
         """Return ``answer``; this solver keeps the atoms of old cycles."""

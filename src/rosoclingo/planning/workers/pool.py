@@ -54,8 +54,8 @@ class WorkerPool:
             fork: whether workers are forks of this process. Forks start much faster, but this process must have no
                 threads.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
-                :class:`ReactiveSolver`. ``growth`` is the number of bytes by which a worker can grow after its
-                largest grounding, before it is replaced (default: 32 MB, or as much as it used then if that is more).
+                :class:`ReactiveSolver`. ``growth`` is the number of bytes by which a worker can grow after its first
+                search; then it is replaced after 100 searches (default: 32 MB, or as much as it used if that is more).
 
         """
         self._start_worker = lambda: SolverWorker(program, options, patience, fork)

@@ -41,7 +41,7 @@ class WorkerReply(NamedTuple):
         value: the result of the method, or the error that it raised.
         entries: the entries to append to the history.
         is_last: whether the command has ended; a search that improves its plan replies with each plan.
-        has_grown: whether the worker uses much more memory than after its largest grounding.
+        has_grown: whether the worker uses much more memory than after its first search, and has searched often.
         log: the history after the command; set by the parent.
 
     """

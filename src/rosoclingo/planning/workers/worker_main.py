@@ -34,10 +34,10 @@ NICENESS = 10
 """Niceness of an explaining process."""
 
 GROWTH = 32 * 2**20
-"""Growth in bytes since the largest grounding after which a worker is replaced, or all that it used then if more."""
+"""Growth in bytes since the first search after which a worker is replaced, or all that it used then if that is more."""
 
-LARGER = 1.25
-"""A grounding with this many times the atoms of all earlier ones can use more memory."""
+SEARCHES = 100
+"""Least number of searches and hypothetical questions of a worker, so that one large grounding does not end it."""
 
 REPORTING = 0.5
 """Seconds of wall time between two progress reports of a search."""
@@ -55,7 +55,7 @@ class WorkerMain:
         """Use a loaded ``program``; for the options see :class:`WorkerPool`."""
         self._connection, self._program, self._growth = connection, program, growth
         self._solver = _make_solver(program, **options)
-        self._most_memory, self._most_atoms = 0, -1  # the limit in bytes, and the atoms of the largest grounding
+        self._searches, self._most_memory = 0, 0  # the number of searches, and the limit in bytes
         self._start = History()  # the history before the command
         self._interrupted = False
         self._reported = time.monotonic()
@@ -72,15 +72,15 @@ class WorkerMain:
                 self._connection.send(reply._replace(has_grown=has_grown))
 
     def _has_grown(self) -> bool:
-        """Return whether this process uses much more memory than after its largest grounding.
+        """Return whether this process uses much more memory than after its first search, and has searched often.
 
         Its memory grows with each grounding, because clingo never frees symbols.
         """
         memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        if self._solver.atoms > LARGER * self._most_atoms:
-            growth = max(GROWTH, memory) if self._growth is None else self._growth
-            self._most_memory, self._most_atoms = memory + growth, self._solver.atoms
-        return memory > self._most_memory
+        if self._searches == 0:
+            self._most_memory = memory + (max(GROWTH, memory) if self._growth is None else self._growth)
+        self._searches += 1
+        return self._searches >= SEARCHES and memory > self._most_memory
 
     def _execute(self, command: WorkerCommand) -> WorkerReply:
         self._reported, self._interrupted = time.monotonic(), False

@@ -24,6 +24,7 @@ from rosoclingo.planning.history import Checkpoint
 from rosoclingo.planning.solver import PlanSolver
 from rosoclingo.planning.workers.pool import WorkerPool
 from rosoclingo.planning.workers.process_solver import ProcessSolver
+from rosoclingo.planning.workers.worker_main import SEARCHES
 
 ECHO = "#cumulative t.\n#external e(t).\nc(t) :- e(t).\n"
 ENDLESS = ECHO + "#volatile t.\n:- not c(t).\n"
@@ -121,25 +122,28 @@ MANY = "#show.\n#external big/1.\n#cumulative t.\nn(B,X) :- big(B), X = 1..10000
 
 
 @pytest.mark.slow
-def test_worker_with_a_large_hypothetical_grounding_is_kept():
-    with pool_of(MANY, **PLANS, growth=2**22) as pool:
-        solver, big = ProcessSolver(pool), frozenset([parse_atom("big(1)")])
-        fed(solver, "1.")
-        pid = pool.pid
-        solver.inquire(parse_update("#step 2. big(1). #endstep."), big, big)
-        assert pool.pid == pid, "the next question uses its grounding"
-
-
-@pytest.mark.slow
-def test_worker_that_has_grown_without_a_larger_grounding_is_replaced():
+def test_worker_that_has_grown_is_replaced_after_many_searches():
     with pool_of(MANY, **PLANS, growth=2**22) as pool:
         solver, pids = ProcessSolver(pool), []
         log = solver.log
-        for text in ("1.", "1.", "1. big(1).", "1. big(1).", "1. big(2).", "1. big(3)."):
+        for number in range(SEARCHES + 2):
             solver.restore(log)
-            fed(solver, text)
+            fed(solver, f"1. big({number})." if number % 20 == 19 else "1.")
             pids.append(pool.pid)
-    assert pids[0] == pids[3] != pids[4], "the atoms of big(1) are never freed"
+    assert len(set(pids[: SEARCHES - 1])) == 1, "one large grounding does not end a worker"
+    assert len(set(pids)) == 2, "the atoms of the large groundings are never freed"
+
+
+@pytest.mark.slow
+def test_worker_that_has_not_grown_is_kept():
+    with pool_of(MANY, **PLANS) as pool:
+        solver, pids = ProcessSolver(pool), set()
+        log = solver.log
+        for _ in range(SEARCHES + 2):
+            solver.restore(log)
+            fed(solver, "1.")
+            pids.add(pool.pid)
+    assert len(pids) == 1
 
 
 # ---- Stops -----------------------------------------------------------------------------------------------------------
