@@ -183,6 +183,19 @@ def test_launch_unknown_choice_lists_the_known_ones(file, argument):
     assert "rosoclingo" in str(caught.value)
 
 
+@pytest.mark.parametrize("robots", [1, 3, 17])
+def test_launch_fleet_names_each_robot(robots):
+    found = parameters(load("fleet.launch", robots=robots), "/")
+    names = [f"r{number}" for number in range(1, robots + 1)]
+    assert (found["office/robots"], found["interfaces/values/R"]) == (names, names)
+
+
+@pytest.mark.parametrize("robots", [0, 100])
+def test_launch_fleet_reports_an_impossible_number_of_robots(robots):
+    with pytest.raises(roslaunch.xmlloader.XmlParseException, match=f"robots is not .* from 1 to 99: {robots}"):
+        load("fleet.launch", robots=robots)
+
+
 def test_launch_passes_arguments_to_stage():
     def stage(**more):
         return load("mailbot.launch", sim="stage", stage_world="/a.world", **more)
