@@ -22,7 +22,7 @@ from move_base_msgs.msg import MoveBaseAction
 from planning_domains import RuleError
 from rosoclingo.msg import DeliverAction, PickupAction
 
-SEED, GOALS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("GOALS", "5")))
+SEED, GOALS = (int(os.environ.get(f"ROSOCLINGO_{name}", usual)) for name, usual in (("SEED", "1"), ("GOALS", "30")))
 OFFICES, COLUMNS = 12, 4
 ROWS = [(one, one + 1) for one in range(1, OFFICES) if one % COLUMNS]
 GRID = Floor("grid", OFFICES, frozenset([*ROWS, *((one, one + COLUMNS) for one in range(1, OFFICES - COLUMNS + 1))]))
