@@ -1,4 +1,4 @@
-"""``check --plan``: plans as tables, explanations of infeasible requests, wrong requests, preceding streams."""
+"""``check --plan``: samples, wrong requests, streams, JSON; test_check_page.py has tables and explanations."""
 
 import json
 
@@ -30,12 +30,6 @@ closed(B,t) :- closed(B,t-1).
 :- wanted(P,t), not at(P,t).
 #show _action_lib/3.
 """
-TABLE = """\
-go(c): a plan up to step 2
-                       1 2
-_action_lib(go,b,t)    x .
-_action_lib(go,c,t)    . x
-"""
 
 
 @pytest.fixture
@@ -43,7 +37,6 @@ def run(tmp_path, monkeypatch, capsys):
     """Run the command on the program; return exit code, output and errors."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "walk.lp").write_text(PROGRAM)
-    (tmp_path / "shut.str").write_text("#step 1. shut(c,1). #end step.\n")
     (tmp_path / "walked.str").write_text(
         "#step 1. _request(go(b),2). #end step.\n#step 2. :- not _action_lib(go,b,1). #end step.\n"
     )
@@ -53,22 +46,6 @@ def run(tmp_path, monkeypatch, capsys):
         return (code, *capsys.readouterr())
 
     return run_command
-
-
-def test_trial_plan_is_printed_as_a_table(run):
-    code, out, _ = run("--plan", "go(c)")
-    assert code == 0
-    assert out.replace(" ", "").endswith(TABLE.replace(" ", ""))
-
-
-@pytest.mark.slow
-def test_trial_plan_explains_an_infeasible_request(run):
-    code, out, _ = run("--plan", "go(b).", "--plan", "go(c)", "--stream", "shut.str")
-    assert code == 1
-    assert "go(b).: a plan up to step 2\n" in out
-    assert "go(c): No plan of at most 30 steps; a longer plan may exist.\n" in out
-    assert "  walk.lp:19:1: c is shut\n      :- _action_lib(go,B,t), closed(B,t).\n" in out
-    assert "  asserted: shut(c,1).\n" in out
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from rosoclingo.oclingo import ReactiveProgram, parse_term
 from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.sources import Source
 
-ACTION = "#program cumulative(t). { _action_lib(go,1,t) }. #program volatile(t). :- not _action_lib(go,1,t), t < 3."
 EXTERNALS = "#external _request/2. #external _return/3."
 HEEDED = ":- _request(X,1). :- _return(X,Y,1)."
 ODD = "#cumulative t.\n#volatile t.\n"
@@ -21,22 +20,6 @@ CONSTANTS = """#const n = 3.
 #const odd = "x"+1.
 #const back = 2*odd.
 a(n,twice,start,low,free,f(g)) :- b(1..n)."""
-
-
-@pytest.mark.parametrize(
-    ("text", "kinds"),
-    [
-        (EXTERNALS + HEEDED + ACTION, []),
-        (ACTION, ["no-request", "no-return"]),
-        ("#external _request/2." + ACTION, ["no-return"]),
-        (EXTERNALS + "#program cumulative(t). #program volatile(t).", ["no-action"]),
-        (EXTERNALS + ACTION.partition("#program volatile")[0], ["missing-part"]),
-    ],
-)
-def test_lint_reports_missing_keywords_and_parts(text, kinds):
-    for _ in range(2):  # twice, as the program caches findings
-        program = ReactiveProgram.from_text(text, "home.lp")
-        assert [one.kind for one in lint_program(program, core=True)] == kinds
 
 
 IDLE = EXTERNALS + HEEDED + "#program cumulative(t). #program volatile(t). #program cumulative(t). "
