@@ -224,15 +224,6 @@ def test_closed_steps_ground_together_give_the_same_answers(moves, facts, block,
 
 
 @pytest.mark.slow
-def test_past_of_a_robot_is_compacted_up_to_the_steps_that_are_over():
-    solver = PlanSolver(CORRIDOR_PROGRAM, plan_time=0.0)
-    solver.update(parse_update("#step 1 : 20. _request(9,2). _request(1,2). #endstep."))
-    for cycle in range(1, 10):
-        assert solver.search(next_update(solver, further=[Expire(cycle)]), lambda: False).answers
-        assert cycle < 3 or first(solver) == cycle
-
-
-@pytest.mark.slow
 def test_updates_without_a_plan_do_not_delay_compaction():
     """The solver goes back and drops them, as a core does."""
     solver = PlanSolver(CORRIDOR_PROGRAM, plan_time=0.0)

@@ -40,36 +40,6 @@ def why_not(facts, steps=4, text=PROGRAM, before=(), halt=lambda: False):
     return explain(ReactiveProgram.from_text(text, "walk.lp"), stream_of(f"#step 1. {facts}", steps, *before), halt)
 
 
-@pytest.mark.slow
-def test_explanation_uses_the_comments_of_the_author():
-    found = why_not(SHUT)
-    assert (
-        found.text()
-        == """\
-No plan of at most 4 steps; a longer plan may exist.
-These rules together exclude a plan:
-  walk.lp:14:1: nobody walks through the shut door to c
-      :- _action_lib(go,B,t),
-         shut(B,t).
-    at steps 2-5
-    a plan without this rule violates it at step 2 with B=c
-  walk.lp:21:1: not at c at the end
-      :- wanted(P), not at(P,t).
-    at the end of the plan, for any length
-    a plan without this rule violates it at step 1 with P=c
-given these facts:
-  asserted: shut(c,2).
-  asserted: shut(c,3).
-  asserted: shut(c,4).
-  asserted: shut(c,5).
-without any one of these facts there is nothing to do:
-  _request(go(c),2).
-Without walk.lp:14 there is a plan:
-  _action_lib(go,b,1) _action_lib(go,c,2)
-"""
-    )
-
-
 def test_explanation_excludes_plans_of_any_length():
     found = why_not("_request(go(d),2).")
     assert found.never
