@@ -23,19 +23,6 @@ def read(path):
         return [message.data for _, message, _ in bag.read_messages(["/said"])]
 
 
-def test_bag_is_repaired_up_to_last_flush(tmp_path):
-    bag = BagFile(tmp_path / "run.bag", "/notes")
-    write(bag, "1", "2")
-    bag.flush()
-    write(bag, *map(str, range(3, 103)))
-    bag._file.flush()
-    repair(bag.path, tmp_path / "other.bag", "/notes")
-    assert read(tmp_path / "other.bag") == ["1", "2"]
-    with rosbag.Bag(str(tmp_path / "other.bag")) as repaired:
-        (note,) = [message.data for _, message, _ in repaired.read_messages(["/notes"])]
-    assert note == "repaired: the recorder was killed; messages after 2.000 s are missing"
-
-
 def test_bag_repair_refuses_other_files(tmp_path):
     path = tmp_path / "run.bag"
     for content in (b"", b"#ROSBAG V2.0\n", b"something else"):

@@ -142,20 +142,6 @@ def test_account_counts_resent_action_again_only_in_another_run(account, lines):
     assert [line.split()[-2:] for line in lines if " action " in line] == [["go", "x"]] * 2
 
 
-def test_account_can_begin_during_a_run(account, lines):
-    account.goals(5000.0, [GoalReport("a", "g(1)", 3, "g(1) is met"), GoalReport("b", "g(2)", 1, "", 4900.0)])
-    account.plan(5000.0, 412, 9, ["_action_lib(go,x,411)", "_action_lib(go,y,412)"])
-    account.dispatched(5000.1, ["_action_lib(go,y,412)"])
-    account.update(5001.0, "#step 413.\n:- not _action_lib(go,y,412).\n#end step.\n")
-    assert [line.split("cycle ")[1].split(None, 2) for line in lines] == [
-        ["412", "plan", "go y"],
-        ["412", "request", "g(2)"],
-        ["412", "goal", "g(2): under way"],
-        ["412", "action", "go y"],
-        ["413", "update", "#step 413. :- not _action_lib(go,y,412). #end step."],
-    ]
-
-
 def test_account_reports_the_state_on_request(lines):
     account = Account(lines.append, with_state=True)
     account.plan(0.0, 1, 9, [])
