@@ -22,6 +22,8 @@ def test_core_state_reports_the_same_problem_once():
     assert throttle.latest == "cycle 3: '_return(a,1,49)' is ignored"
     assert throttle.take(Problem(3, "'_return(a,1,2)' is ignored", "leg"), 1.0)
     assert throttle.take(Problem(9, "'_return(a,1,2)' is ignored", "arm"), QUIET + 1.0)
+    own = [throttle.take(Problem(9, f"update {number} is dropped"), QUIET + 1.0) for number in (3, 4, 4)]
+    assert list(map(bool, own)) == [True, True, False], "texts of the core differ by numbers as well"
 
 
 def test_core_state_counts_repeated_problems_of_a_kind():

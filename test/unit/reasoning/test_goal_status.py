@@ -69,6 +69,9 @@ def test_goal_status_worse_of_two_statuses_counts():
         ([], 5, "pending"),
         ([], 6, "active"),
         (["_status(1,rejected,5)"], 6, "rejected"),
+        (["_status(1,rejected,6)"], 6, "rejected"),
+        (["_status(1,aborted,6)"], 6, "pending"),
+        (["_status(1,succeeded,6)"], 6, "active"),
     ],
 )
 def test_goal_status_before_cycle_of_request(atoms, horizon, state):
