@@ -14,19 +14,7 @@ _MESSAGE = re.compile(
 _NOTE = re.compile(r"\n?[^\n]*: note: '(?P<variable>[^']*)' is unsafe")
 _SCRIPT = re.compile(r"\w+ support not available")
 _WARNINGS = (clingo.MessageCode.OperationUndefined, clingo.MessageCode.GlobalVariable, clingo.MessageCode.Other)
-_REPLACEMENTS = (  # of what clingo and this package add to rules
-    (re.compile(r"(:-?)(\[#inc_\w+(\([^]]*\))?\];?)+"), r"\1 "),
-    (re.compile(r";?__oclingo_volatile\([^)]*\)"), ""),
-    (re.compile(r":- \."), "."),
-    (re.compile(r"#void:-"), ":-"),
-    (re.compile(r"\.\[false\]$"), "."),
-    (re.compile(r": \."), "."),
-    # anonymous variables
-    (re.compile(r"\bAny__[0-9]+\b"), "_"),
-    (re.compile(r"#p_(\w+)\("), r"\1("),
-    (re.compile(r"#b\(([^()]*)\)"), r"\1"),
-    (re.compile(r"#p(?=[,)])"), "_"),
-)
+_ANONYMOUS = re.compile(r"\bAny__[0-9]+\b")
 
 ParameterAt = Callable[[str, int], str]
 """Returns the step parameter of the program part at a file and line."""
@@ -74,17 +62,13 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt) -> F
     if match is None:
         return Fault("<program>", 0, 0, text, kind="clingo")
     file, line, column = match.group("file"), int(match.group("line")), int(match.group("column"))
-    message = match.group("text").strip()
-    for form, written in _REPLACEMENTS:
-        message = form.sub(written, message)
-    message = message.replace("#Inc0", parameter_at(file, line))
+    message = _ANONYMOUS.sub("_", match.group("text").strip()).replace("#Inc0", parameter_at(file, line))
     remedy, kind = "", "syntax" if match.group("kind") == "error" else "clingo"
     variables = sorted({note.group("variable") for note in _NOTE.finditer(message)})
     if variables:
         kind = "unsafe"
-        rule = _NOTE.sub("", message).split("\n", 1)[-1].strip()
-        rule = statement_at(file, line, column) or rule.replace(":- 0=0;", ":- ")
-        message = "unsafe variable{} {} in {}".format("s" * (len(variables) > 1), ", ".join(variables), rule)
+        rule = statement_at(file, line, column)
+        message = f"unsafe variable{'s' * (len(variables) > 1)} {', '.join(variables)}{' in ' * bool(rule)}{rule}"
         remedy = "bind each variable by a positive body literal, for instance a domain like office(X)"
         if rule.startswith("#external"):
             remedy = "bind each variable by a condition, for instance #external e(X) : office(X)."

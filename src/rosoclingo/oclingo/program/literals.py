@@ -1,4 +1,4 @@
-"""Body literals of rules, and the variables that the base part binds."""
+"""Body literals of rules, and the names in terms."""
 
 from typing import Iterator, List, Sequence, Set
 
@@ -6,7 +6,7 @@ from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import atom_terms, term_signature
+from rosoclingo.oclingo.program.signatures import atom_terms
 from rosoclingo.oclingo.progression.terms import Signature
 
 
@@ -27,17 +27,6 @@ def plain_literals(statement: Node) -> Iterator[Node]:
     for literal in statement.body if hasattr(statement, "body") else ():
         if is_plain_atom(literal) and len(list(atom_terms(literal.atom.symbol))) == 1:
             yield literal
-
-
-def binds(literal: Node, parameter: str, fixed: Set[Signature]) -> bool:
-    """Return whether a literal binds its variables by a predicate that only base defines.
-
-    All arguments have to be variables or symbols other than the step.
-    """
-    term = literal.atom.symbol
-    simple = (ASTType.Variable, ASTType.SymbolicTerm)
-    alone = term.ast_type == ASTType.Function and all(one.ast_type in simple for one in term.arguments)
-    return alone and term_signature(term) in fixed and not mentions(term, parameter)
 
 
 def names_in(term: Node) -> List[str]:
