@@ -10,8 +10,8 @@ from clingo.ast import ASTType
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import ProgressionError
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.parts import Occurrence
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.survey import Place
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, parse_term
 from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, is_variable, names_of, patterns_of, substitute
 
@@ -25,7 +25,7 @@ _REQUEST = Signature("_request", 2)
 
 T = TypeVar("T")
 
-Use = Tuple[Place, Patterns]
+Use = Tuple[Occurrence, Patterns]
 """An atom in a rule, and the patterns of the terms wanted from it."""
 
 
@@ -33,7 +33,7 @@ def sample_requests(program: ReactiveProgram) -> List[Iterator[str]]:
     """Return likely requests for each kind of request in the program's rules."""
     kinds: Dict[str, List[Use]] = {}
     for place in program.survey.using.get(_REQUEST, ()):
-        goal = place.occurrence.arguments[0]
+        goal = place.arguments[0]
         if place.statement.ast_type == ASTType.Rule and _is_goal(goal):
             kinds.setdefault(_shape(goal), []).append((place, patterns_of(goal, dict(program.values))))
     names = [*map(parse_term, names_in_facts(program))]

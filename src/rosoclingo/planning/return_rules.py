@@ -17,18 +17,18 @@ from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.literals import names_in
-from rosoclingo.oclingo.program.look_back import time_offset
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.parts import Occurrence, Part
 from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import Occurrence, term_signature
+from rosoclingo.oclingo.program.signatures import term_signature
 from rosoclingo.oclingo.progression.terms import Signature
 
 ASKS, ACTS = "__oclingo_asks", "__oclingo_acts"
 
 Constants = Mapping[str, clingo.Symbol]
 
+_CYCLE = 2  # the position of the cycle in actions and returns
 _SIMPLE = (ASTType.Variable, ASTType.SymbolicTerm, ASTType.Function, ASTType.UnaryOperation, ASTType.BinaryOperation)
 
 
@@ -52,9 +52,9 @@ def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo
     candidates = list(atoms)
     return any(
         atom.match(one.signature.name, one.signature.arity)
-        and Pattern(one.term, part.parameter, statement, dict(constants)).can_match(atom, -FAR, FAR)
+        and Pattern(one.term, part.parameter, one.statement, dict(constants)).can_match(atom, -FAR, FAR)
         for part in parts
-        for statement, one in part.atoms
+        for one in part.atoms
         if not one.head
         for atom in candidates
     )
@@ -73,17 +73,16 @@ def is_predictable(program: ReactiveProgram) -> bool:
 @lru_cache(maxsize=8)
 def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
     """Return the auxiliary rules of a program; None if it uses returns in other ways than as single body literals."""
-    parts, constants = program.parts, program.values
-    if is_opaque(program) or not _actions_are_timely(parts, constants):
+    if is_opaque(program) or not _actions_are_timely(program.parts):
         return None
     texts: List[Tuple[str, List[str], str]] = []
     with_actions: Set[int] = set()
-    for part in parts:
+    for part in program.parts:
         for statement, found in part.found:
             returns = [one for one in found if one.signature == RETURN]
             if not _depends_on_returns(statement, returns):
                 continue
-            position = _position_of_return(statement, returns, part.parameter, constants)
+            position = _position_of_return(statement, returns)
             if position is None:
                 return None
             asks, acts = _auxiliary_rules(len(texts), statement, position)
@@ -92,18 +91,10 @@ def return_rules(program: ReactiveProgram) -> Optional[ReturnRules]:
     return ReturnRules(tuple(texts), len(texts), frozenset(with_actions))
 
 
-def _actions_are_timely(parts: Sequence[Part], constants: Constants) -> bool:
+def _actions_are_timely(parts: Sequence[Part]) -> bool:
     """Return whether each step derives only actions of its own cycle."""
-    for part in parts:
-        for _, one in part.atoms:
-            if one.head and one.signature == ACTION and _offset(one.term, part.parameter, constants) != 0:
-                return False
-    return True
-
-
-def _offset(term: Node, parameter: str, constants: Constants) -> Optional[int]:
-    """Return c if the last argument of ``term`` is the step plus c, otherwise None."""
-    return time_offset(term.arguments[-1], parameter, dict(constants)) if parameter else None
+    actions = (one for part in parts for one in part.atoms if one.head and one.signature == ACTION)
+    return all(one.offsets.get(_CYCLE) == 0 for one in actions)
 
 
 def is_opaque(program: ReactiveProgram) -> bool:
@@ -124,16 +115,13 @@ def _depends_on_returns(statement: Node, returns: Sequence[Occurrence]) -> bool:
     return bool(returns) and not declares and statement.ast_type != ASTType.Heuristic
 
 
-def _position_of_return(
-    statement: Node, returns: Sequence[Occurrence], parameter: str, constants: Constants
-) -> Optional[int]:
+def _position_of_return(statement: Node, returns: Sequence[Occurrence]) -> Optional[int]:
     """Return the index of the return in a rule's body; None if the rule contains returns in any other way."""
     positions = [index for index, literal in enumerate(_body(statement)) if _is_atom(literal, RETURN)]
     if statement.ast_type != ASTType.Rule or not len(positions) == len(returns) == 1:
         return None
-    arguments = returns[0].term.arguments
-    simple = all(_is_simple(one) or str(one) == "_" for one in arguments)
-    offset = _offset(returns[0].term, parameter, constants)
+    simple = all(_is_simple(one) or str(one) == "_" for one in returns[0].arguments)
+    offset = returns[0].offsets.get(_CYCLE)
     return positions[0] if simple and offset is not None and offset <= 0 else None
 
 

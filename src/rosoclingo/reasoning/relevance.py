@@ -14,9 +14,9 @@ from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequen
 import clingo
 from clingo.ast import ASTType, ComparisonOperator, ProgramBuilder, Sign
 
-from rosoclingo.oclingo.program.literals import fixed_signatures, is_plain_atom, mentions, names_in
+from rosoclingo.oclingo.program.literals import is_plain_atom, mentions, names_in
 from rosoclingo.oclingo.program.nodes import Node, parse
-from rosoclingo.oclingo.program.parts import Part
+from rosoclingo.oclingo.program.parts import Part, fixed_signatures
 from rosoclingo.oclingo.program.patterns import FAR, Pattern
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import arguments_of, atom_terms, term_signature

@@ -9,7 +9,7 @@ from shipped import ENCODINGS
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.directives import Directives
-from rosoclingo.oclingo.program.signatures import Signature, occurrences
+from rosoclingo.oclingo.program.signatures import Signature, atoms_in, term_signature
 from rosoclingo.oclingo.program.sources import Source, read_sources
 
 FILES = sorted((ENCODINGS / "delivery").glob("*.lp"))
@@ -24,7 +24,7 @@ def defined():
     """Return the predicates in heads, and the terms of `#show` statements."""
     rules = statements()
     terms = [one.term for one in rules if one.ast_type == ASTType.ShowTerm]
-    heads = {one.signature for statement in rules for one in occurrences(statement) if one.head}
+    heads = {term_signature(term) for statement in rules for term, is_head, _ in atoms_in(statement) if is_head}
     return heads | {Signature(one.name, len(one.arguments)) for one in terms}
 
 

@@ -23,10 +23,10 @@ from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.likeness import likely_value, likely_word
-from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.nodes import Node, fault_at
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import signature_and_arguments
-from rosoclingo.oclingo.program.survey import LABELS, fault_at
+from rosoclingo.oclingo.program.survey import LABELS
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import ANY, names_of
 

@@ -8,9 +8,9 @@ import clingo
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.oclingo.program.literals import plain_literals
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.parts import Occurrence
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import term_signature
-from rosoclingo.oclingo.program.survey import Place
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 from rosoclingo.planning.explaining.atom_patterns import (
     ANY,
@@ -83,7 +83,7 @@ class ArgumentValues:
         patterns = self._reach.patterns(term, step)
         return self._impossible(term_signature(term), [*zip(*(one.arguments for one in patterns))])
 
-    def instances(self, place: Place, pattern: clingo.Symbol) -> Iterator[clingo.Symbol]:
+    def instances(self, place: Occurrence, pattern: clingo.Symbol) -> Iterator[clingo.Symbol]:
         """Yield instances of a pattern of terms in an atom, with values from the other positive body atoms of its rule.
 
         Variables without a known value remain.
@@ -91,7 +91,7 @@ class ArgumentValues:
         names = names_of(pattern)
         conditions: List[clingo.Symbol] = []
         for term in (one.atom.symbol for one in plain_literals(place.statement)):
-            if term is not place.occurrence.term and not self._is_free(term_signature(term)):
+            if term is not place.term and not self._is_free(term_signature(term)):
                 patterns = patterns_of(term, {**self._constants, place.part.parameter: ANY})
                 conditions += [one for one in patterns if len(patterns) == 1 and names & names_of(one)]
         unbound = {name: clingo.Function(name) for name in names}

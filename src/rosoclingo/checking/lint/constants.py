@@ -8,8 +8,8 @@ from clingo.ast import AggregateFunction, ASTType, UnaryOperator
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.constants import own_constants
 from rosoclingo.oclingo.program.likeness import likely_word
-from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.survey import Survey, fault_at
+from rosoclingo.oclingo.program.nodes import Node, fault_at
+from rosoclingo.oclingo.program.survey import Survey
 
 
 def names_used_as_numbers(survey: Survey) -> List[Fault]:

@@ -13,10 +13,10 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.first_steps import TrialGrounding
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_value, likeness
-from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.nodes import Node, fault_at
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import evaluate, signature_and_arguments
-from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
+from rosoclingo.oclingo.program.survey import Survey, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import (
     ANY,
@@ -84,7 +84,7 @@ def volatile_keywords(survey: Survey) -> List[Fault]:
     found = []
     for place in (one for signature in KEYWORDS.values() for one in survey.defining.get(signature, ())):
         if place.part.name == "volatile":
-            message = f"{term_text(place.occurrence.term)} holds only at the last step of a plan: its rule is volatile"
+            message = f"{term_text(place.term)} holds only at the last step of a plan: its rule is volatile"
             found.append(place.fault("at-the-end", message, "write #program cumulative(t). before the rule"))
     return found
 
@@ -136,7 +136,7 @@ def hidden_predicates(survey: Survey) -> Iterator[Fault]:
 def misspelt_cancels(survey: Survey) -> Iterator[Fault]:
     """Yield the requests that look like a misspelt cancel."""
     for place in survey.using.get(REQUEST, ()):
-        term = place.occurrence.arguments[0]
+        term = place.arguments[0]
         size = len(term.arguments) if term.ast_type == ASTType.Function else 0
         name = term.name if size else ""
         if name == _CANCEL and size != 1:
@@ -153,7 +153,7 @@ def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
     actions = Actions(program) if _SAYS in survey.defining else None
     known = [] if actions is None else [*actions.parameters, *(one.partition("(")[0] for one in actions.parameters)]
     for place in survey.defining.get(_SAYS, ()) if actions is not None else ():
-        name, text = place.occurrence.arguments
+        name, text = place.arguments
         value = evaluate(name, survey.constants)
         if value is None or str(value) in known:
             continue
@@ -167,7 +167,7 @@ def idle_words(program: ReactiveProgram) -> Iterator[Fault]:
 
 def _idle_patterns(survey: Survey, name: Node, goal: clingo.Symbol, text: Node) -> Iterator[Fault]:
     """Yield a fault for a sentence about neither goals nor external facts, and for its names without a variable."""
-    terms = [one.occurrence.arguments[0] for one in survey.using.get(REQUEST, ())]
+    terms = [one.arguments[0] for one in survey.using.get(REQUEST, ())]
     asked = [substitute(one, {}) for term in terms for one in patterns_of(term, survey.constants)]
     external = survey.is_external(Signature(goal.name, len(goal.arguments)))
     if not external and not any(matches(goal, one, {}) for one in asked):

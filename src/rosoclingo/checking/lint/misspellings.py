@@ -9,9 +9,9 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.likeness import did_you_mean, is_misspelling
 from rosoclingo.oclingo.program.literals import names_in
-from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import occurrences
-from rosoclingo.oclingo.program.survey import LABELS, Survey, fault_at
+from rosoclingo.oclingo.program.nodes import Node, fault_at
+from rosoclingo.oclingo.program.signatures import arguments_of, atoms_in, term_signature
+from rosoclingo.oclingo.program.survey import LABELS, Survey
 from rosoclingo.oclingo.progression.terms import Signature
 
 _DIGITS = "0123456789"
@@ -84,10 +84,10 @@ def _are_apart(one: _Places, other: _Places) -> bool:
 
 def _arguments(places: _Places) -> Iterator[Tuple[Signature, int]]:
     for statement, node in places:
-        for atom in occurrences(statement):
-            for number, argument in enumerate(atom.arguments):
+        for term, _, _ in atoms_in(statement):
+            for number, argument in enumerate(arguments_of(term)):
                 if any(one is node for one in argument.nodes):
-                    yield atom.signature, number
+                    yield term_signature(term), number
 
 
 def _slips_of_variables(variables: _Names) -> Iterator[Fault]:

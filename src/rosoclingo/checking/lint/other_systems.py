@@ -8,7 +8,8 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.gringo3.lexer import TokenKind, tokens
 from rosoclingo.oclingo.program.literals import mentions
-from rosoclingo.oclingo.program.survey import Survey, fault_at, term_text
+from rosoclingo.oclingo.program.nodes import fault_at
+from rosoclingo.oclingo.program.survey import Survey, term_text
 from rosoclingo.oclingo.program.undefined import QUERY
 
 _INCMODE, _PASSIVE = "incmode", "not-interpreted"
@@ -58,10 +59,10 @@ def _queries(survey: Survey) -> Iterator[Fault]:
     if QUERY in survey.defining or QUERY in survey.opened:
         return
     declared, asked = (
-        [one for one in places if survey.steps(one).get(0) == 0]
+        [one for one in places if one.offsets.get(0) == 0]
         for places in (survey.declaring.get(QUERY, ()), survey.using.get(QUERY, ()))
     )
     for place in declared[:1] if asked else ():
-        atom = term_text(place.occurrence.term)
+        atom = term_text(place.term)
         message = f"{atom} is never true: only clingo's incmode sets it at a plan's last step"
         yield place.fault(_INCMODE, message, f"write the rules into volatile({place.part.parameter}) without {atom}")

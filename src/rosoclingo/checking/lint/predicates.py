@@ -10,9 +10,9 @@ from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_spelling, likely_value
 from rosoclingo.oclingo.program.literals import is_plain_atom, names_in
-from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import occurrences
-from rosoclingo.oclingo.program.survey import LABELS, Place, Survey, fault_at, term_text
+from rosoclingo.oclingo.program.nodes import Node, fault_at
+from rosoclingo.oclingo.program.parts import Occurrence
+from rosoclingo.oclingo.program.survey import LABELS, Survey, term_text
 from rosoclingo.oclingo.program.undefined import primed_remedy
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.planning.explaining.atom_patterns import format_pattern
@@ -52,19 +52,19 @@ def unused_predicates(survey: Survey) -> List[Fault]:
     return found
 
 
-def _defines_alone(place: Place) -> bool:
+def _defines_alone(place: Occurrence) -> bool:
     """Return whether a rule uses a predicate only to define it recursively."""
-    heads = {one.signature for one in occurrences(place.statement) if one.head}
+    heads = {one.signature for one in place.part.atoms if one.head and one.statement is place.statement}
     return place.statement.ast_type == ASTType.Rule and heads == {place.signature}
 
 
 def _unused(
-    survey: Survey, signature: Signature, places: Optional[List[Place]], kind: str, remedy: str
+    survey: Survey, signature: Signature, places: Optional[List[Occurrence]], kind: str, remedy: str
 ) -> Iterator[Fault]:
     if places is None:
         opened = survey.opened[signature]
         yield Fault(opened.file, opened.line, 1, f"no rule uses the external {signature}", remedy, kind)
-    elif places[0].occurrence.term.location.begin.filename != LABELS:
+    elif places[0].term.location.begin.filename != LABELS:
         what = "the external " if places[0].declares else ""
         shown = "" if places[0].declares or not survey.shows else ", and no #show shows it"
         yield places[0].fault(kind, f"no rule uses {what}{signature}{shown}", remedy)
@@ -77,10 +77,10 @@ def mismatched_atoms(survey: Survey, values: ArgumentValues) -> Iterator[Fault]:
     """Yield the body atoms with an argument value that their predicate never has."""
     possible = (one for one in survey.using if one in survey.known and values.is_possible(one))
     for place in (one for signature in possible for one in survey.using[signature]):
-        impossible = values.impossible_argument(place.occurrence.term, place.part.parameter)
+        impossible = values.impossible_argument(place.term, place.part.parameter)
         if impossible is not None:
             position, known = impossible
-            argument = place.occurrence.arguments[position]
+            argument = place.arguments[position]
             message = f"{place.signature} is never true with {term_text(argument)} as argument {position + 1}"
             yield fault_at(
                 argument, "no-match", message, likely_value(str(argument), sorted(map(format_pattern, known)))

@@ -62,7 +62,7 @@ class _StatementLint:
         if signature in program.open_signatures:
             if not self._relevance.is_relevant(atom):
                 uses = program.survey.using.get(signature, ())
-                terms = list(dict.fromkeys(term_text(one.occurrence.term) for one in uses))[:_MANY]
+                terms = list(dict.fromkeys(term_text(one.term) for one in uses))[:_MANY]
                 remedy = f"rules match {', '.join(terms)}" if terms else "write a rule for it"
                 yield f"no rule can ever see {atom}", remedy
         elif signature in program.external_signatures:

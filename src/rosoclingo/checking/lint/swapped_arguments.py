@@ -8,7 +8,9 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.checks import KEYWORDS
-from rosoclingo.oclingo.program.survey import Place, Survey, fault_at, term_text
+from rosoclingo.oclingo.program.nodes import fault_at
+from rosoclingo.oclingo.program.parts import Occurrence
+from rosoclingo.oclingo.program.survey import Survey, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
 _KIND = "exchanged"
@@ -29,11 +31,11 @@ def swapped_arguments(survey: Survey) -> List[Fault]:
 def swapped_keyword_arguments(survey: Survey) -> Iterator[Fault]:
     """Yield the keywords whose cycle is not the last argument, or whose action is not the first."""
     acts = [place for one in (ACTION, RETURN) for place in _places(one, survey)]
-    first, second = (Counter(str(one.occurrence.arguments[n]) for one in acts) for n in (0, 1))
+    first, second = (Counter(str(one.arguments[n]) for one in acts) for n in (0, 1))
     for name, signature in KEYWORDS.items():
         for place in _places(signature, survey):
-            arguments, term = place.occurrence.arguments, term_text(place.occurrence.term)
-            steps = survey.steps(place)
+            arguments, term = place.arguments, term_text(place.term)
+            steps = place.offsets
             if name != _TIMELESS and steps and signature.arity - 1 not in steps:
                 message = f"the cycle of {term} is not its last argument"
                 yield place.fault(_KIND, message, f"write the cycle as argument {signature.arity}")
@@ -44,23 +46,21 @@ def swapped_keyword_arguments(survey: Survey) -> Iterator[Fault]:
                     yield fault_at(arguments[1], _KIND, message, "write the action as argument 1")
 
 
-def _places(signature: Signature, survey: Survey) -> List[Place]:
+def _places(signature: Signature, survey: Survey) -> List[Occurrence]:
     return [*survey.defining.get(signature, ()), *survey.using.get(signature, ())]
 
 
 # ---- variables ------------------------------------------------------------------------------------------------------
 
 
-def _swapped_variables(atoms: Sequence[Place]) -> Iterator[Fault]:
-    names = [
-        [one.name if one.ast_type == ASTType.Variable else "_" for one in atom.occurrence.arguments] for atom in atoms
-    ]
+def _swapped_variables(atoms: Sequence[Occurrence]) -> Iterator[Fault]:
+    names = [[one.name if one.ast_type == ASTType.Variable else "_" for one in atom.arguments] for atom in atoms]
     count: Dict[Tuple[int, str], int] = Counter((n, name) for row in names for n, name in enumerate(row))
     for atom, row in zip(atoms, names):
         pair = _pair(row, count)
         if pair is not None and not _mirrors(atom, row, pair):
             one, other = (row[position] for position in pair)
-            message = f"all other atoms have {one} and {other} of {term_text(atom.occurrence.term)} the other way round"
+            message = f"all other atoms have {one} and {other} of {term_text(atom.term)} the other way round"
             yield atom.fault(
                 _KIND, message, f"write {other} as argument {pair[0] + 1}, {one} as argument {pair[1] + 1}"
             )
@@ -82,9 +82,9 @@ def _pair(row: Sequence[str], count: Dict[Tuple[int, str], int]) -> Optional[Tup
     return None
 
 
-def _mirrors(atom: Place, row: Sequence[str], pair: Tuple[int, int]) -> bool:
+def _mirrors(atom: Occurrence, row: Sequence[str], pair: Tuple[int, int]) -> bool:
     """Return whether the rule also contains the atom with the two arguments swapped."""
-    mine = list(map(str, atom.occurrence.arguments))
+    mine = list(map(str, atom.arguments))
     mine[pair[0]], mine[pair[1]] = mine[pair[1]], mine[pair[0]]
-    atoms = [one for statement, one in atom.part.atoms if statement is atom.statement]
+    atoms = [one for one in atom.part.atoms if one.statement is atom.statement]
     return any(one.signature == atom.signature and list(map(str, one.arguments)) == mine for one in atoms)

@@ -16,11 +16,10 @@ from rosoclingo.checking.verifying.scope import EventSelection
 from rosoclingo.checking.verifying.shared_solver import Streams
 from rosoclingo.checking.verifying.time_shift import Argument
 from rosoclingo.oclingo.program.action_rules import ACTION, FAILED, RETURN, is_action
-from rosoclingo.oclingo.program.literals import fixed_signatures
 from rosoclingo.oclingo.program.nodes import Node
+from rosoclingo.oclingo.program.parts import Occurrence, fixed_signatures
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
-from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
-from rosoclingo.oclingo.program.survey import Place
+from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature, parse_term
 from rosoclingo.planning.explaining.atom_patterns import ANY, Patterns, names_of, patterns_of, substitute
 from rosoclingo.reasoning.keywords import FAILURE, RESERVED, name_of, request
@@ -96,10 +95,10 @@ def _likely_facts(program: ReactiveProgram, goals: Sequence[Symbol], selection: 
             yield clingo.Function(name, row)
 
 
-def _present(place: Place, program: ReactiveProgram) -> Patterns:
+def _present(place: Occurrence, program: ReactiveProgram) -> Patterns:
     """Return the patterns of an atom in a rule, with cycle 1 for times."""
-    times, constants = program.survey.steps(place), program.survey.constants
-    terms = [patterns_of(one, {**constants, place.part.parameter: ANY}) for one in place.occurrence.arguments]
+    times, constants = place.offsets, program.survey.constants
+    terms = [patterns_of(one, {**constants, place.part.parameter: ANY}) for one in place.arguments]
     rows = product(*((clingo.Number(1),) if n in times else one for n, one in enumerate(terms)))
     return tuple(clingo.Function(place.signature.name, row) for row in rows)
 

@@ -13,8 +13,8 @@ from clingo.ast import ASTType, BinaryOperator
 
 from rosoclingo.oclingo.program.look_back import linear_form, time_offset
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
+from rosoclingo.oclingo.program.parts import Occurrence, Part
+from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 Argument = Tuple[Signature, int]
@@ -37,7 +37,7 @@ class TimeShift:
         self.readings: List[Tuple[int, FrozenSet[Signature]]] = []
         self._times: Set[Argument] = set()
         self._time_of: Dict[clingo.Symbol, Optional[int]] = {}
-        heads = {(one.signature, bool(part.parameter)) for part in parts for _, one in part.atoms if one.head}
+        heads = {(one.signature, bool(part.parameter)) for part in parts for one in part.atoms if one.head}
         self._timeless = {one for one, stepped in heads if not stepped and (one, True) not in heads}
         rules = [
             _Rule(statement, found, part.parameter, dict(constants))

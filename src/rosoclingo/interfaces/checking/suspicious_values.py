@@ -12,7 +12,8 @@ from rosoclingo.interfaces.config import InterfaceSpec
 from rosoclingo.interfaces.templates import texts_in
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.likeness import likely_word
-from rosoclingo.oclingo.program.survey import Place, Survey, term_text
+from rosoclingo.oclingo.program.parts import Occurrence
+from rosoclingo.oclingo.program.survey import Survey, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.runs.drawing import DRAWS, drawing_fault
 from rosoclingo.runs.topic_atoms import atom_in
@@ -87,9 +88,9 @@ def idle_drawings(survey: Survey) -> Iterator[Fault]:
             yield from _idle_drawing(place, names)
 
 
-def _idle_drawing(place: Place, names: AbstractSet[str]) -> Iterator[Fault]:
-    text = term_text(place.occurrence.term)
-    atom = None if getattr(place.statement, "body", ()) else atom_in(str(place.occurrence.term))
+def _idle_drawing(place: Occurrence, names: AbstractSet[str]) -> Iterator[Fault]:
+    text = term_text(place.term)
+    atom = None if getattr(place.statement, "body", ()) else atom_in(str(place.term))
     if atom is None:
         yield place.fault("idle-drawing", f"{text} draws nothing: {DRAWS} is read from ground facts", "write a fact")
         return

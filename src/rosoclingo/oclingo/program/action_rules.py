@@ -71,8 +71,8 @@ def closing_text(parts: Sequence[Part], opened: Container[Signature]) -> Source:
     for part in parts:
         # the rules must outlast the window of a volatile rule
         name = "cumulative" if part.name == "volatile" else part.name
-        for statement, one in part.atoms:
-            if one.head and statement.ast_type == ASTType.Rule and one.signature == ACTION:
+        for one in part.atoms:
+            if one.defines and one.signature == ACTION:
                 cycle = one.term.arguments[2]
                 forms.add((name, part.parameter, str(cycle) if _has_one_value(cycle) else _VARIABLE))
     return Source("<program>", "".join(_rules(*form, RETURN in opened) for form in sorted(forms)))

@@ -7,8 +7,8 @@ uses rosoclingo's keywords, most findings are errors. In other programs, written
 from typing import List, Sequence, Tuple
 
 from rosoclingo.oclingo.errors import Fault
-from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.survey import Place, Survey, places, term_text
+from rosoclingo.oclingo.program.parts import Occurrence, Part
+from rosoclingo.oclingo.program.survey import Survey, term_text
 from rosoclingo.oclingo.progression.terms import Signature
 
 _FORMS = {
@@ -31,19 +31,19 @@ KEYWORDS = {name: Signature(name, form.count(",") + 1) for name, form in _FORMS.
 
 def uses_keywords(parts: Sequence[Part]) -> bool:
     """Return whether a program is written for rosoclingo's core."""
-    return any(place.occurrence.signature.name in KEYWORDS for place in places(parts))
+    return any(one.signature.name in KEYWORDS for part in parts for one in part.atoms)
 
 
 def wrong_arities(parts: Sequence[Part]) -> List[Fault]:
     """Return a fault for each keyword with a wrong number of arguments."""
     found = []
-    for place in places(parts):
-        signature = place.occurrence.signature
+    for one in (one for part in parts for one in part.atoms):
+        signature = one.signature
         keyword = KEYWORDS.get(signature.name, signature)
         if signature.arity != keyword.arity:
             message = f"keyword {signature.name} with {signature.arity} arguments"
             remedy = f"write {signature.name}{_FORMS[signature.name]}"
-            found.append(place.fault("keyword-arity", message, remedy))
+            found.append(one.fault("keyword-arity", message, remedy))
     return found
 
 
@@ -65,14 +65,14 @@ def late_externals(survey: Survey) -> List[Fault]:
     for signature, declared in survey.declaring.items():
         if signature not in survey.opened and signature not in survey.defining:
             uses = survey.using.get(signature, ())
-            late = (use for use in uses if all(_too_late(survey, use, one) for one in declared))
+            late = (use for use in uses if all(_too_late(use, one) for one in declared))
             found += [use.fault("late-external", *_late(use, declared[0])) for use in late]
     return found
 
 
-def _late(use: Place, declaration: Place) -> Tuple[str, str]:
-    term, known = term_text(use.occurrence.term), term_text(declaration.occurrence.term)
-    if not use.part.parameter:
+def _late(use: Occurrence, declaration: Occurrence) -> Tuple[str, str]:
+    term, known = term_text(use.term), term_text(declaration.term)
+    if not use.parameter:
         return (
             f"external {term} is used in base but declared in steps, so the rule never sees it",
             f"move the rule to the {declaration.part.name} part, or the #external to base",
@@ -83,12 +83,12 @@ def _late(use: Place, declaration: Place) -> Tuple[str, str]:
     )
 
 
-def _too_late(survey: Survey, use: Place, declaration: Place) -> bool:
+def _too_late(use: Occurrence, declaration: Occurrence) -> bool:
     """Return whether the declaration comes at a later step than the use."""
-    if not declaration.part.parameter:
+    if not declaration.parameter:
         return False
-    if not use.part.parameter:
+    if not use.parameter:
         return True
-    ahead, known = survey.steps(use), survey.steps(declaration)
+    ahead, known = use.offsets, declaration.offsets
     position = min(ahead.keys() & known.keys(), default=None)
     return position is not None and ahead[position] > known[position]

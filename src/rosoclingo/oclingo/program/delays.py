@@ -7,14 +7,12 @@ have the form ``t + c``. The delay is the length of a shortest path from the pre
 
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-import clingo
 from clingo.ast import ASTType
 
 from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
-from rosoclingo.oclingo.program.look_back import shortest_look_back, time_offset
+from rosoclingo.oclingo.program.look_back import shortest_look_back
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence
+from rosoclingo.oclingo.program.parts import Occurrence, Part
 from rosoclingo.oclingo.progression.terms import Signature
 from rosoclingo.oclingo.reachable import reachable
 
@@ -36,9 +34,9 @@ class _Timed(NamedTuple):
 
 
 class Delays:
-    """Computes the delays of predicates from the rules of ``parts`` and the program's ``constants``."""
+    """Computes the delays of predicates from the rules of ``parts``."""
 
-    def __init__(self, parts: Sequence[Part], constants: Dict[str, clingo.Symbol]) -> None:
+    def __init__(self, parts: Sequence[Part]) -> None:
         self._known: Dict[Signature, int] = {}
         self._timed: Set[Signature] = set()
         self._edges: List[_Edge] = []
@@ -46,7 +44,7 @@ class Delays:
         self._choices: Set[Signature] = set()
         for part in parts:
             for statement, found in part.found:
-                self._add_statement(part, statement, found, constants)
+                self._add_statement(part, statement, found)
         ends = [edge[:2] for edge in self._edges]  # both have a time if one has
         self._timed = reachable(self._timed, lambda one: (end for edge in ends if one in edge for end in edge))
         after_actions = self._spread(self._sources())
@@ -61,10 +59,8 @@ class Delays:
             self._known[signature] = min(1, max(0, self._spread({signature: 0}).get(ACTION, 0)))
         return self._known.get(signature)
 
-    def _add_statement(
-        self, part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
-    ) -> None:
-        atoms = _timed_atoms(part, statement, found, constants)
+    def _add_statement(self, part: Part, statement: Node, found: Sequence[Occurrence]) -> None:
+        atoms = _timed_atoms(part, statement, found)
         self._timed.update(one.signature for one in atoms if not one.name)
         if statement.ast_type != ASTType.Rule or part.name == "volatile":
             return
@@ -111,20 +107,16 @@ def _edges_to_actions(atoms: List[_Timed], after_actions: _Distances) -> Iterato
             yield one.signature, ACTION, max(acts) - one.offset
 
 
-def _timed_atoms(
-    part: Part, statement: Node, found: Sequence[Occurrence], constants: Dict[str, clingo.Symbol]
-) -> List[_Timed]:
+def _timed_atoms(part: Part, statement: Node, found: Sequence[Occurrence]) -> List[_Timed]:
     """Return the atoms of a statement whose last argument is a time, each with this time."""
-    bounds = shortest_look_back(statement, part.parameter, constants) if part.parameter else {}
+    bounds = shortest_look_back(statement, part.parameter, part.constants) if part.parameter else {}
     timed: List[_Timed] = []
     for one in found:
         arguments = one.arguments if one.signature.positive else ()
-        name, offset = "", None  # type: str, Optional[int]
+        name, offset = "", one.offsets.get(len(arguments) - 1)
         if arguments and arguments[-1].ast_type == ASTType.Variable:
             variable = arguments[-1].name
             name, offset = ("", -bounds[variable]) if variable in bounds else (variable, 0)
-        elif arguments and part.parameter:
-            offset = time_offset(arguments[-1], part.parameter, constants)
         if offset is not None:
             timed.append(_Timed(one.signature, one.head, one.positive, name, offset))
     return timed

@@ -7,7 +7,6 @@ from clingo.backend import Observer
 
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.survey import places
 from rosoclingo.oclingo.progression.terms import Signature, signature_of
 
 _TRIAL_STEPS = 3
@@ -96,7 +95,8 @@ def redefined_by(parts: Sequence[Part], name: str, signatures: Set[Signature]) -
     message = f"redefinition: {name} is defined by the rules of two steps"
     remedy = "give the head the step, like p(t), or move the rule to base"
     return [
-        place.fault("redefinition", message, remedy)
-        for place in places(parts)
-        if place.defines and place.part.parameter and place.signature in signatures
+        one.fault("redefinition", message, remedy)
+        for part in parts
+        for one in part.atoms
+        if one.defines and one.parameter and one.signature in signatures
     ]

@@ -1,19 +1,11 @@
 """Body literals of rules, and the names in terms."""
 
-from typing import Iterator, List, Sequence, Set
+from typing import Iterator, List
 
 from clingo.ast import ASTType, Sign
 
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
 from rosoclingo.oclingo.program.signatures import atom_terms
-from rosoclingo.oclingo.progression.terms import Signature
-
-
-def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
-    """Return the predicates that only base defines."""
-    used = {one.signature for part in parts if part.parameter for _, one in part.atoms if one.head}
-    return {one.signature for part in parts for _, one in part.atoms if one.head} - used
 
 
 def is_plain_atom(literal: Node) -> bool:

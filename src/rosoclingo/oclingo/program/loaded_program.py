@@ -59,6 +59,8 @@ class LoadedProgram:
         except ProgramError as error:
             self._load_faults += error.faults
         self.values = constant_values(self.parts, self.constants, control)
+        for part in self.parts:
+            part.constants.update(self.values)
         windows, first = self._directives.windows, self._directives.first_steps
         self.windows = sorted({one.number(self.values, self._load_faults) for one in windows} | {1})
         self.first_step = min([1, *[one.number(self.values, self._load_faults) for one in first][-1:]])

@@ -9,6 +9,8 @@ from typing import Any, Callable, List, Optional
 
 from clingo.ast import AST, ASTSequence, ASTType, Location, Position, StrSequence, parse_string
 
+from rosoclingo.oclingo.errors import Fault
+
 
 class Node:
     """A statement, literal or term with the attributes of its ``AST``: child nodes as ``Node``, sequences as lists.
@@ -104,6 +106,12 @@ def parse(text: str, logger: Optional[Callable[[Any, str], None]] = None) -> Lis
     found: List[AST] = []
     parse_string(text, found.append, logger=logger)
     return [Node(one) for one in found if one.ast_type != ASTType.Comment]
+
+
+def fault_at(node: Node, kind: str, message: str, remedy: str) -> Fault:
+    """Return a fault at a statement or a term."""
+    begin = node.location.begin
+    return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
 
 
 def make(constructor: Callable[..., AST], *values: Any) -> Node:

@@ -3,14 +3,16 @@
 import re
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Iterator, List, Sequence, Tuple
+from typing import Dict, Iterator, List, Sequence, Set, Tuple
 
+import clingo
 from clingo.ast import AST, ASTType, Id, Literal, Program, Sign, Transformer
 
 from rosoclingo.oclingo.errors import Fault, ProgramError
 from rosoclingo.oclingo.program.directives import VOLATILE_PREFIX, Directives
-from rosoclingo.oclingo.program.nodes import Node, make, parse
-from rosoclingo.oclingo.program.signatures import Occurrence, occurrences
+from rosoclingo.oclingo.program.nodes import Node, fault_at, make, parse
+from rosoclingo.oclingo.program.patterns import Pattern
+from rosoclingo.oclingo.program.signatures import Atom, atoms_in, term_signature
 from rosoclingo.oclingo.program.sources import LoadedFile
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -29,6 +31,37 @@ GUARD = "__oclingo_volatile"
 _GUARDED = (ASTType.Rule, ASTType.Minimize, ASTType.ShowTerm, ASTType.Edge, ASTType.Heuristic, ASTType.ProjectAtom)
 
 
+class Occurrence(Pattern):
+    """An atom in a statement of a program.
+
+    Attributes:
+        part: the part of the statement.
+        signature: the atom's predicate.
+        head: whether the atom is a head.
+        positive: whether it is a positive body atom.
+
+    """
+
+    def __init__(self, part: "Part", statement: Node, atom: Atom) -> None:
+        term, self.head, self.positive = atom
+        super().__init__(term, part.parameter, statement, part.constants)
+        self.part, self.signature = part, term_signature(term)
+
+    @property
+    def declares(self) -> bool:
+        """Whether an ``#external`` declares the atom."""
+        return self.head and self.statement.ast_type == ASTType.External
+
+    @property
+    def defines(self) -> bool:
+        """Whether a rule has the atom in its head."""
+        return self.head and self.statement.ast_type == ASTType.Rule
+
+    def fault(self, kind: str, message: str, remedy: str) -> Fault:
+        """Return a fault at the atom."""
+        return fault_at(self.term, kind, message, remedy)
+
+
 @dataclass
 class Part:
     """Consecutive statements of one program part.
@@ -38,6 +71,8 @@ class Part:
         parameter: name of the step parameter, empty in base.
         header: the ``#program`` statement.
         statements: the statements; in volatile parts guarded, after the declaration of the guard.
+        window: the length of the window of a volatile part, as written.
+        constants: the values of the program's constants, once they are known.
 
     """
 
@@ -46,16 +81,17 @@ class Part:
     header: Node
     statements: List[Node] = field(default_factory=list)
     window: str = ""
+    constants: Dict[str, clingo.Symbol] = field(default_factory=dict)
 
     @cached_property
     def found(self) -> List[Tuple[Node, List[Occurrence]]]:
         """Each statement with its atoms; cached, so read it only after the last statement was added."""
-        return [(statement, occurrences(statement)) for statement in self.statements]
+        return [(one, [Occurrence(self, one, atom) for atom in atoms_in(one)]) for one in self.statements]
 
     @property
-    def atoms(self) -> Iterator[Tuple[Node, Occurrence]]:
-        """All atoms, each with its statement."""
-        return ((statement, one) for statement, found in self.found for one in found)
+    def atoms(self) -> Iterator[Occurrence]:
+        """All atoms of the statements."""
+        return (one for _, found in self.found for one in found)
 
 
 def rewrite(parsed: Sequence[LoadedFile], directives: Directives) -> List[Part]:
@@ -81,11 +117,9 @@ def _open_part(header: Node, directives: Directives, faults: List[Fault]) -> Par
     elif name == "volatile":
         window = "1"
     if name not in PARTS or len(parameters) != (0 if name == "base" else 1):
-        begin = header.location.begin
         text = "{}({})".format(name, ",".join(parameters)) if parameters else name
         remedy = _OTHER_SYSTEMS.get(name, "a reactive program has the parts base, cumulative(t) and volatile(t)")
-        message = f"unknown program part {text}"
-        faults.append(Fault(begin.filename, begin.line, begin.column, message, remedy, "unknown-part"))
+        faults.append(fault_at(header, "unknown-part", f"unknown program part {text}", remedy))
         window = ""  # a guard needs the parameter
     parameter = parameters[0] if parameters else ""
     # for clingo, volatile parts of all windows have the same name; their parameters can have different names
@@ -141,3 +175,9 @@ def open_part(signature: Signature, fact: bool) -> Tuple[str, List[str], str]:
     atom = ("" if signature.positive else "-") + signature.name
     atom += f"({','.join(parameters)})" if parameters else ""
     return name, parameters, f"{atom}." if fact else f"#external {atom}."
+
+
+def fixed_signatures(parts: Sequence[Part]) -> Set[Signature]:
+    """Return the predicates that only base defines."""
+    used = {one.signature for part in parts if part.parameter for one in part.atoms if one.head}
+    return {one.signature for part in parts for one in part.atoms if one.head} - used

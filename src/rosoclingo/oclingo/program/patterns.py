@@ -1,7 +1,7 @@
 """Patterns of atoms in rules: at which steps an instance can match a ground atom, without grounding."""
 
 from functools import cached_property
-from typing import Dict, Iterable, List, Mapping, Optional, Sequence
+from typing import Dict, Iterable, List, Mapping, Optional
 
 import clingo
 from clingo.ast import ASTType
@@ -9,7 +9,7 @@ from clingo.ast import ASTType
 from rosoclingo.oclingo.program.literals import mentions
 from rosoclingo.oclingo.program.look_back import longest_look_back, time_offsets
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.signatures import evaluate
+from rosoclingo.oclingo.program.signatures import arguments_of, evaluate
 from rosoclingo.oclingo.progression.terms import Signature
 
 FAR = 2**31 - 1
@@ -22,30 +22,33 @@ class Pattern:
     """An atom in a statement of a program part, as a pattern for ground atoms.
 
     Attributes:
+        term: the atom's term.
         parameter: the name of the part's step parameter, empty in base.
+        statement: the statement of the atom.
 
     """
 
     def __init__(self, term: Node, parameter: str, statement: Node, constants: Constants) -> None:
         """Store the atom's term, the part's parameter, the statement of the atom, and all constants."""
-        self.parameter = parameter
-        self._term, self._statement, self._constants = term, statement, constants
+        self.term, self.parameter, self.statement, self._constants = term, parameter, statement, constants
+
+    @property
+    def arguments(self) -> List[Node]:
+        """The atom's arguments."""
+        return arguments_of(self.term)
 
     @cached_property
     def offsets(self) -> Dict[int, int]:
         """The offsets of all arguments that are the parameter plus a number, by position."""
-        return time_offsets(self._arguments(), self.parameter, self._constants)
+        return time_offsets(self.arguments, self.parameter, self._constants)
 
     @cached_property
     def _look_back(self) -> Dict[int, int]:
         """The maxima of t - T for arguments T that comparisons bound, by position."""
-        names = {n: one.name for n, one in enumerate(self._arguments()) if one.ast_type == ASTType.Variable}
+        names = {n: one.name for n, one in enumerate(self.arguments) if one.ast_type == ASTType.Variable}
         wanted = names and self.parameter
-        bounds = longest_look_back(self._statement, self.parameter, self._constants) if wanted else {}
+        bounds = longest_look_back(self.statement, self.parameter, self._constants) if wanted else {}
         return {position: bounds[name] for position, name in names.items() if name in bounds}
-
-    def _arguments(self) -> Sequence[Node]:
-        return self._term.arguments if self._term.ast_type == ASTType.Function else ()
 
     def can_match(self, atom: clingo.Symbol, first: int, last: int) -> bool:
         """Return whether an instance at some step first..last, or of base, could be ``atom``.
@@ -53,7 +56,7 @@ class Pattern:
         False is always correct; variables, intervals and terms without a known value count as a match.
         """
         if not self.parameter:
-            return self._fits(self._term, atom, None)
+            return self._fits(self.term, atom, None)
         return self.first_match(atom, first, last) is not None
 
     def first_match(self, atom: clingo.Symbol, first: int, last: int) -> Optional[int]:
@@ -68,7 +71,7 @@ class Pattern:
         for position, bound in self._look_back.items():
             value = atom.arguments[position]
             last = min(last, value.number + bound) if value.type == clingo.SymbolType.Number else last
-        return first if first <= last and self._fits(self._term, atom, step) else None
+        return first if first <= last and self._fits(self.term, atom, step) else None
 
     def _fits(self, term: Node, symbol: clingo.Symbol, step: Optional[int]) -> bool:
         """Return whether a term can be a symbol at a step; None stands for any step."""

@@ -15,9 +15,10 @@ from rosoclingo.oclingo.program.constants import check_given_values
 from rosoclingo.oclingo.program.delays import Delays
 from rosoclingo.oclingo.program.first_steps import TrialGrounding, redefined_by
 from rosoclingo.oclingo.program.loaded_program import LoadedProgram
+from rosoclingo.oclingo.program.parts import Occurrence
 from rosoclingo.oclingo.program.patterns import FAR, Pattern, are_apart, can_match, can_see_later
 from rosoclingo.oclingo.program.sources import Source
-from rosoclingo.oclingo.program.survey import Survey, places
+from rosoclingo.oclingo.program.survey import Survey
 from rosoclingo.oclingo.program.times import time_positions
 from rosoclingo.oclingo.program.undefined import undefined_predicates
 from rosoclingo.oclingo.progression.terms import Signature, parse_atom, signature_of
@@ -83,7 +84,7 @@ class ReactiveProgram(LoadedProgram):
     @cached_property
     def step_signatures(self) -> Set[Signature]:
         """The predicates that rules in cumulative and volatile parts define."""
-        return {one.signature for part in self.parts if part.parameter for _, one in part.atoms if one.head}
+        return {one.signature for part in self.parts if part.parameter for one in part.atoms if one.head}
 
     def delay_of(self, name: str, arity: int) -> Optional[int]:
         """Return the delay in cycles, 0 or 1, until such a fact can affect actions; None if it has no cycle.
@@ -94,7 +95,7 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def _delays(self) -> Delays:
-        return Delays(self.parts, self.values)
+        return Delays(self.parts)
 
     def time_position(self, name: str, arity: int) -> Optional[int]:
         """Return the position of the cycle in such atoms or shown terms, None if they have none."""
@@ -113,7 +114,7 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def _time_positions(self) -> Dict[Signature, int]:
-        return time_positions(self.parts, self.values)
+        return time_positions(self.parts)
 
     def can_see(self, atoms: Iterable[clingo.Symbol], first: int, last: int) -> bool:
         """Return whether a rule of base or of steps ``first`` to ``last`` could have an instance with one of ``atoms``.
@@ -146,9 +147,9 @@ class ReactiveProgram(LoadedProgram):
 
     @cached_property
     def _action_cycles(self) -> List[Pattern]:
-        found = [one for one in places(self.parts) if one.occurrence.head and one.signature == ACTION]
-        terms = [one.occurrence.term.update(arguments=one.occurrence.arguments[2:]) for one in found]
-        return [Pattern(term, one.part.parameter, one.statement, self.values) for term, one in zip(terms, found)]
+        found = [one for part in self.parts for one in part.atoms if one.head and one.signature == ACTION]
+        terms = [one.term.update(arguments=one.arguments[2:]) for one in found]
+        return [Pattern(term, one.parameter, one.statement, self.values) for term, one in zip(terms, found)]
 
     @cached_property
     def steps_apart(self) -> bool:
@@ -214,16 +215,14 @@ class ReactiveProgram(LoadedProgram):
         return any(one.ast_type == ASTType.Minimize for part in self.parts for one in part.statements)
 
     @cached_property
-    def _patterns(self) -> Dict[str, Dict[Signature, List[Pattern]]]:
-        """The patterns of atoms that statements use, declare external and define."""
-        found: Dict[str, Dict[Signature, List[Pattern]]] = {"seen": {}, "declared": {}, "defined": {}}
-        for place in places(self.parts):
-            one = place.occurrence
-            pattern = Pattern(one.term, place.part.parameter, place.statement, self.values)
-            roles = ["declared" if place.declares else "defined"] if one.head else []
+    def _patterns(self) -> Dict[str, Dict[Signature, List[Occurrence]]]:
+        """The atoms that statements use, declare external and define."""
+        found: Dict[str, Dict[Signature, List[Occurrence]]] = {"seen": {}, "declared": {}, "defined": {}}
+        for one in (one for part in self.parts for one in part.atoms):
+            roles = ["declared" if one.declares else "defined"] if one.head else []
             roles += ["seen"] if not one.head or one.signature in self.open_signatures else []
             for role in roles:
-                found[role].setdefault(one.signature, []).append(pattern)
+                found[role].setdefault(one.signature, []).append(one)
         return found
 
     def _may(self, role: str, atom: clingo.Symbol, first: int, last: int = FAR, base: bool = True) -> bool:

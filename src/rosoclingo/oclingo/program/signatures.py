@@ -1,7 +1,7 @@
 """Atoms of :mod:`clingo.ast` statements, their signatures, and values of simple terms."""
 
 import operator
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator, Sign, UnaryOperator
@@ -9,19 +9,8 @@ from clingo.ast import ASTType, BinaryOperator, Sign, UnaryOperator
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.progression.terms import Signature
 
-
-class Occurrence(NamedTuple):
-    """An atom in a statement: its term and predicate, and whether it is a head or a positive body atom."""
-
-    term: Node
-    signature: Signature
-    head: bool
-    positive: bool
-
-    @property
-    def arguments(self) -> List[Node]:
-        """The atom's arguments."""
-        return arguments_of(self.term)
+Atom = Tuple[Node, bool, bool]
+"""The term of an atom, whether it is a head, and whether it is a positive body atom."""
 
 
 def without_sign(term: Node) -> Node:
@@ -58,9 +47,9 @@ def atom_terms(term: Node) -> Iterator[Node]:
         yield term
 
 
-def occurrences(statement: Node) -> List[Occurrence]:
+def atoms_in(statement: Node) -> List[Atom]:
     """Return all atoms of ``statement``; in aggregates and conditions, atoms without a sign count as positive."""
-    found: List[Occurrence] = []
+    found: List[Atom] = []
     if statement.ast_type == ASTType.Rule:
         if statement.head.ast_type != ASTType.TheoryAtom:
             _collect(statement.head, True, found)
@@ -71,7 +60,7 @@ def occurrences(statement: Node) -> List[Occurrence]:
     return found
 
 
-def _collect(node: Node, head: bool, found: List[Occurrence]) -> None:
+def _collect(node: Node, head: bool, found: List[Atom]) -> None:
     """Collect the atoms of a literal, a condition, an aggregate or one of its elements."""
     if node.ast_type == ASTType.Literal and node.atom.ast_type == ASTType.SymbolicAtom:
         plain = node.sign == Sign.NoSign
@@ -90,8 +79,8 @@ def _collect(node: Node, head: bool, found: List[Occurrence]) -> None:
         _collect(one, head, found)
 
 
-def _note(atom: Node, head: bool, positive: bool, found: List[Occurrence]) -> None:
-    found.extend(Occurrence(term, term_signature(term), head, positive) for term in atom_terms(atom.symbol))
+def _note(atom: Node, head: bool, positive: bool, found: List[Atom]) -> None:
+    found.extend((term, head, positive) for term in atom_terms(atom.symbol))
 
 
 def head_literals(head: Node) -> Iterator[Tuple[Node, Sequence[Node]]]:

@@ -1,17 +1,15 @@
 """An index of a program's statements for checks: where each predicate is defined, declared, used and shown."""
 
 import re
-from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.directives import OpenExternal
-from rosoclingo.oclingo.program.look_back import time_offsets
 from rosoclingo.oclingo.program.nodes import Node
-from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence, evaluate
+from rosoclingo.oclingo.program.parts import Occurrence, Part
+from rosoclingo.oclingo.program.signatures import evaluate
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.oclingo.progression.terms import Signature
 
@@ -28,39 +26,6 @@ LABELS = "~labels"
 """File name of the facts with which the core passes its labels to a program."""
 
 
-class Place(NamedTuple):
-    """An atom in a program, with its part and statement."""
-
-    part: Part
-    statement: Node
-    occurrence: Occurrence
-
-    @property
-    def signature(self) -> Signature:
-        """The atom's predicate."""
-        return self.occurrence.signature
-
-    @property
-    def declares(self) -> bool:
-        """Whether an ``#external`` declares the atom."""
-        return self.occurrence.head and self.statement.ast_type == ASTType.External
-
-    @property
-    def defines(self) -> bool:
-        """Whether a rule has the atom in its head."""
-        return self.occurrence.head and self.statement.ast_type == ASTType.Rule
-
-    def fault(self, kind: str, message: str, remedy: str) -> Fault:
-        """Return a fault at the atom."""
-        return fault_at(self.occurrence.term, kind, message, remedy)
-
-
-def fault_at(node: Node, kind: str, message: str, remedy: str) -> Fault:
-    """Return a fault at a statement or a term."""
-    begin = node.location.begin
-    return Fault(begin.filename, begin.line, begin.column, message, remedy, kind)
-
-
 def term_text(term: Node) -> str:
     """Return the term as text, without clingo's brackets around sums and with ``_`` for anonymous variables."""
     return _ANONYMOUS.sub("_", _BRACKETS.sub(r"\1", str(term)))
@@ -74,13 +39,6 @@ def shows(statement: Node) -> bool:
 def label_facts(labels: Iterable[str]) -> Source:
     """Return the facts about labels that the core adds to a program."""
     return Source(LABELS, "".join(f"label({label}).\n" for label in labels))
-
-
-def places(parts: Sequence[Part]) -> Iterator[Place]:
-    """Yield every atom of the parts."""
-    for part in parts:
-        for statement, occurrence in part.atoms:
-            yield Place(part, statement, occurrence)
 
 
 class Survey:
@@ -107,9 +65,9 @@ class Survey:
         self.parts, self.constants = parts, dict(constants)
         self.opened: Dict[Signature, OpenExternal] = {one.signature: one for one in opened}
         self.statements: List[Tuple[Part, Node, List[Occurrence]]] = []
-        self.defining: Dict[Signature, List[Place]] = {}
-        self.declaring: Dict[Signature, List[Place]] = {}
-        self.using: Dict[Signature, List[Place]] = {}
+        self.defining: Dict[Signature, List[Occurrence]] = {}
+        self.declaring: Dict[Signature, List[Occurrence]] = {}
+        self.using: Dict[Signature, List[Occurrence]] = {}
         self.shown: Dict[Signature, Node] = {}
         self.silenced: Set[Signature] = set()
         self.unvalued: Set[str] = set()
@@ -130,14 +88,9 @@ class Survey:
         if kind == ASTType.Defined:
             self.silenced.add(Signature(statement.name, statement.arity, bool(statement.positive)))
         for one in found:
-            place = Place(part, statement, one)
             if not one.signature.name.startswith(OWN):
-                where = self.defining if place.defines else self.declaring if place.declares else self.using
-                where.setdefault(one.signature, []).append(place)
-
-    def steps(self, place: Place) -> Dict[int, int]:
-        """Return the offsets of all arguments of an atom that are the step plus a number, by position."""
-        return time_offsets(place.occurrence.arguments, place.part.parameter, self.constants)
+                where = self.defining if one.defines else self.declaring if one.declares else self.using
+                where.setdefault(one.signature, []).append(one)
 
     def number(self, term: Node) -> Optional[int]:
         """Return the number that a ground term denotes, None for any other term."""

@@ -5,7 +5,8 @@ from typing import Collection, List, Set
 from rosoclingo.oclingo.errors import Fault
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import did_you_mean, most_similar
-from rosoclingo.oclingo.program.survey import Survey, fault_at
+from rosoclingo.oclingo.program.nodes import fault_at
+from rosoclingo.oclingo.program.survey import Survey
 from rosoclingo.oclingo.progression.terms import Signature
 
 QUERY = Signature("query", 1)
@@ -21,7 +22,7 @@ def undefined_predicates(survey: Survey) -> List[Fault]:
     for signature in dict.fromkeys([*survey.using, *survey.shown]):
         if signature in defined | survey.silenced:
             continue
-        node = survey.using[signature][0].occurrence.term if signature in survey.using else survey.shown[signature]
+        node = survey.using[signature][0].term if signature in survey.using else survey.shown[signature]
         message = f"no rule and no #external defines {signature}: it is never true"
         found.append(fault_at(node, "undefined", message, _remedy(signature, defined)))
     return found

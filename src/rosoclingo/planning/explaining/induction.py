@@ -10,9 +10,7 @@ from typing import Iterable, List, Optional, Set
 import clingo
 from clingo.ast import ASTType
 
-from rosoclingo.oclingo.program.look_back import time_offset
-from rosoclingo.oclingo.program.parts import Part
-from rosoclingo.oclingo.program.signatures import Occurrence, signature_and_arguments
+from rosoclingo.oclingo.program.parts import Occurrence
 from rosoclingo.oclingo.program.survey import OWN
 from rosoclingo.planning.explaining.atom_patterns import names_of
 from rosoclingo.planning.explaining.named_rules import RuleKind
@@ -82,7 +80,7 @@ def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
     for part in program.parts:
         for statement, atoms in part.found if part.parameter else ():
             if statement.ast_type in (ASTType.Rule, ASTType.External):
-                offsets = [_offset(program, part, one) for one in atoms]
+                offsets = [_offset(program, one) for one in atoms]
                 known = sum(mentions(one.term, part.parameter) for one in atoms)
                 if None in offsets or known != mentions(statement, part.parameter):
                     return None
@@ -90,15 +88,15 @@ def _longest_look_back(program: RelaxedProgram) -> Optional[int]:
     return most
 
 
-def _offset(program: RelaxedProgram, part: Part, atom: Occurrence) -> Optional[int]:
+def _offset(program: RelaxedProgram, atom: Occurrence) -> Optional[int]:
     """Return the time of an atom relative to the step, 0 if it has none; None if unknown, or for a later head."""
-    signature, arguments = signature_and_arguments(atom.term)
+    signature, arguments = atom.signature, atom.arguments
     position = program.time_position(signature.name, signature.arity)
     if signature.name.startswith(OWN):
         return 0
     if position is None:
-        return 0 if not mentions(atom.term, part.parameter) else None
-    if sum(mentions(one, part.parameter) for one in arguments) != mentions(arguments[position], part.parameter):
+        return 0 if not mentions(atom.term, atom.parameter) else None
+    if sum(mentions(one, atom.parameter) for one in arguments) != mentions(arguments[position], atom.parameter):
         return None
-    offset = time_offset(arguments[position], part.parameter, dict(program.values))
+    offset = atom.offsets.get(position)
     return None if offset is not None and offset > 0 and atom.head else offset

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo.program.signatures import (
     Signature,
+    atoms_in,
     evaluate,
-    occurrences,
+    term_signature,
 )
 from rosoclingo.oclingo.reachable import reachable
 
@@ -23,7 +24,9 @@ def statement(text):
 def marked_atoms(text):
     """Return the atoms of a statement: h marks heads, + positive body atoms, - other atoms."""
     marks = {(True, False): "h", (False, True): "+", (False, False): "-"}
-    return sorted(marks[one.head, one.positive] + str(one.signature) for one in occurrences(statement(text)))
+    return sorted(
+        marks[head, positive] + str(term_signature(term)) for term, head, positive in atoms_in(statement(text))
+    )
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,11 @@ STREAMS = [
          "#step 3. e(1) :- not e(2). => c(1) e(1) ! e(1)")
         for section in ("", "#volatile.", "#assert : x.")
     ),
+    *(
+        (f"#cumulative t. #external {e}(t). #external a(t). c(t) :- {e}(t).", f"#step 1. {e}(3) :- a(1). => -",
+         f"#step 2. {e}(3) :- a(2). a(2). => a(2)", f"#step 3. => a(2) c(3) {e}(3)")
+        for e in ("e", "-e")
+    ),
     # lifetimes
     ("#cumulative t. #external e(t). #forget t : t-1.", "#step 3. e(2). e(3). => e(2) e(3)",
      "#step 4. e(1). e(3). => e(2) e(3) ! e(1)"),
