@@ -33,7 +33,7 @@ class Beliefs:
 
     def __init__(self, program: ReactiveProgram) -> None:
         self._program = program
-        self._shift = TimeShift(program.parts, program.values)
+        self._shift = TimeShift(program.parts)
         self._stepped = program.external_signatures | program.step_signatures
         self._relative: Dict[Tuple[clingo.Symbol, int], Optional[clingo.Symbol]] = {}
         self._visible: Dict[clingo.Symbol, bool] = {}

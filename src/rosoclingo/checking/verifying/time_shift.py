@@ -6,12 +6,12 @@ and 9 are then equal if their atoms are, with times relative to the step. Rules 
 """
 
 from math import prod
-from typing import Dict, FrozenSet, Iterator, List, Mapping, Optional, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, Iterator, List, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, BinaryOperator
 
-from rosoclingo.oclingo.program.look_back import linear_form, time_offset
+from rosoclingo.oclingo.program.look_back import linear_form
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Occurrence, Part
 from rosoclingo.oclingo.program.signatures import evaluate
@@ -31,8 +31,8 @@ class TimeShift:
 
     """
 
-    def __init__(self, parts: Sequence[Part], constants: Mapping[str, clingo.Symbol]) -> None:
-        """Analyse the ``parts`` of a program with these ``constants``."""
+    def __init__(self, parts: Sequence[Part]) -> None:
+        """Analyse the ``parts`` of a program."""
         self.unclear: Set[Signature] = set()
         self.readings: List[Tuple[int, FrozenSet[Signature]]] = []
         self._times: Set[Argument] = set()
@@ -40,7 +40,7 @@ class TimeShift:
         heads = {(one.signature, bool(part.parameter)) for part in parts for one in part.atoms if one.head}
         self._timeless = {one for one, stepped in heads if not stepped and (one, True) not in heads}
         rules = [
-            _Rule(statement, found, part.parameter, dict(constants))
+            _Rule(part, statement, found)
             for part in parts
             for statement, found in (part.found if part.parameter else ())
         ]
@@ -112,12 +112,10 @@ class TimeShift:
 
 
 class _Rule:
-    """A statement of the part with the step ``parameter``; ``arguments`` are those of all its atoms."""
+    """A statement of a part with steps; ``arguments`` are those of all its atoms."""
 
-    def __init__(
-        self, statement: Node, found: List[Occurrence], parameter: str, constants: Dict[str, clingo.Symbol]
-    ) -> None:
-        self.statement, self._found, self._parameter, self._constants = statement, found, parameter, constants
+    def __init__(self, part: Part, statement: Node, found: List[Occurrence]) -> None:
+        self.statement, self._found, self._parameter, self._constants = statement, found, part.parameter, part.constants
         self.arguments = [(one.signature, place, term) for one in found for place, term in enumerate(one.arguments)]
 
     def times(self, known: Set[Argument]) -> Set[str]:
@@ -146,8 +144,7 @@ class _Rule:
     def looks_back(self) -> Iterator[Signature]:
         """Yield the predicates of which the rule requires an atom of an earlier step."""
         for one in self._found:
-            offsets = (time_offset(term, self._parameter, self._constants) for term in one.arguments)
-            if one.positive and any(offset is not None and offset < 0 for offset in offsets):
+            if one.positive and any(offset < 0 for offset in one.offsets.values()):
                 yield one.signature
 
 

@@ -14,18 +14,14 @@ from rosoclingo.oclingo.program.signatures import evaluate
 Sum = Dict[str, int]
 
 
-def time_offset(term: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Optional[int]:
-    """Return c if ``term`` equals ``parameter + c`` for a constant c, else None."""
-    found = linear_form(term, parameter, constants)
-    if found is None or set(found) - {""} != {parameter} or found[parameter] != 1:
-        return None
-    return found.get("", 0)
-
-
 def time_offsets(arguments: Iterable[Node], parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[int, int]:
-    """Return the offsets of all arguments that are the step plus a number, by position."""
-    found = {n: time_offset(one, parameter, constants) for n, one in enumerate(arguments if parameter else ())}
-    return {position: offset for position, offset in found.items() if offset is not None}
+    """Return c for all arguments that equal ``parameter + c`` for a constant c, by position."""
+    found: Dict[int, int] = {}
+    for position, one in enumerate(arguments if parameter else ()):
+        form = linear_form(one, parameter, constants)
+        if form is not None and {**form, "": 0} == {parameter: 1, "": 0}:
+            found[position] = form.get("", 0)
+    return found
 
 
 def longest_look_back(statement: Node, parameter: str, constants: Dict[str, clingo.Symbol]) -> Dict[str, int]:

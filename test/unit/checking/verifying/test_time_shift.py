@@ -24,7 +24,7 @@ soon(T+2,t) :- latest(T,t), later(t-T).
 
 def shift(text):
     program = ReactiveProgram.from_text(RULES + text + "#program volatile(t). :- off(X,t).")
-    return TimeShift(program.parts, program.values)
+    return TimeShift(program.parts)
 
 
 @pytest.mark.parametrize(
