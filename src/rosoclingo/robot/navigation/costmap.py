@@ -3,11 +3,11 @@
 import copy
 import math
 from collections import deque
-from typing import Deque, NamedTuple, Optional, Tuple
+from typing import Any, Deque, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.clearance import inflate, update_clearance, update_open
+from rosoclingo.robot.navigation.compiled.clearance import update_clearance, update_open
 from rosoclingo.robot.navigation.compiled.marks import count_scan, hits_apart
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid import OCCUPIED, OccupancyGrid
@@ -172,18 +172,31 @@ class Costmap:
         self._update_free_spaces(_window_of(barred))
         return len(barred) > 0
 
-    def costs(self, first: Optional[Pose2D] = None, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
-        """Return costs as costmap topics publish them (int8: 100 lethal, 99 inscribed .. 0 free, -1 unknown).
+    def costs(self, cells: Any = slice(None)) -> np.ndarray:
+        """Return the costs of indexed cells as costmap topics publish them, by default of all.
 
-        By default the array covers the whole grid. With ``shape`` (rows, columns) it covers a window of cells of the
-        same size, whose first cell is centred at the pose ``first`` (m, rad). Cells off the grid have -1.
+        They are int8: 100 lethal, 99 inscribed .. 0 free, -1 unknown. Between ``robot_radius`` and ``inflation_radius``
+        they decay exponentially.
         """
-        x, y = (0.5, 0.5) if first is None else self.to_cells(first.x, first.y)
-        yaw = 0.0 if first is None else first.yaw
         limits, scale = self.limits, self.resolution
-        lengths = (limits.robot_radius / scale, limits.inflation_radius / scale, limits.cost_scaling_factor * scale)
-        costs = np.empty(shape or self.grid.shape, dtype=np.int8)
-        inflate(self.clearance, self.occupied, self._unknown, x, y, yaw, *lengths, costs)
+        room, radius = self.clearance[cells], limits.robot_radius / scale
+        decay = 98.0 * np.exp(-limits.cost_scaling_factor * scale * np.maximum(room - radius, 0.0))
+        kinds = [self.occupied[cells] > 0, self._unknown[cells], room < radius, room <= limits.inflation_radius / scale]
+        return np.select(kinds, [100, -1, 99, np.maximum(decay, 1.0)], 0).astype(np.int8)
+
+    def costs_around(self, first: Pose2D, shape: Tuple[int, int]) -> np.ndarray:
+        """Return the costs (int8; rows, columns) of a window with cells of the same size; -1 off the grid.
+
+        The first cell is centred at the pose ``first`` (m, rad), whose yaw is the direction of the rows.
+        """
+        (x, y), (i, j) = self.to_cells(first.x, first.y), np.indices(shape)
+        c, s = math.cos(first.yaw), math.sin(first.yaw)
+        columns = np.floor(x + c * j - s * i + 1e-6).astype(int)
+        rows = np.floor(y + s * j + c * i + 1e-6).astype(int)
+        height, width = self.grid.shape
+        inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        costs = np.full(shape, -1, dtype=np.int8)
+        costs[inside] = self.costs((rows[inside], columns[inside]))
         return costs
 
     def _changed(self, window: Window) -> None:

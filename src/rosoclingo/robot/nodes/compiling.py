@@ -65,7 +65,6 @@ def _navigate() -> None:
         body = BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1)
         body.has_room(0.0)
         body.arc_to_room(0.0, 0.1)
-        costmap.costs()
 
 
 def _simulate() -> None:

@@ -42,7 +42,7 @@ for footprint in ((), LONG):
     drive.to(Pose2D(5.0, 1.0, 2.0))
     drive.to(Pose2D(3.0, 3.77, 0.0))
     drive.to(Pose2D(5.7, 5.7, 0.0))
-    drive.costmap.costs(Pose2D(1.0, 1.0, 0.5), (20, 20))
+    drive.costmap.costs_around(Pose2D(1.0, 1.0, 0.5), (20, 20))
     drive.world.place(drive.robot.spec.name, Pose2D(1.0, 1.0))
 after = compiled()
 assert after == before, {name: after[name] for name in after if after[name] != before[name]}

@@ -1,4 +1,4 @@
-"""Clearance, distances, ray casting and costs on grids, compiled by numba.
+"""Clearance, distances and ray casting on grids, compiled by numba.
 
 All arrays are C-contiguous. Lengths are in *cells* unless noted otherwise: x = (metres - origin) / resolution. Cell
 (row, column) is the square [column, column + 1] x [row, row + 1].
@@ -130,31 +130,3 @@ def update_open(clearance, occupied, closed, radius, row0, row1, column0, column
                     x, y = column + 0.5 * (k % 3), row + 0.5 * (k // 3)
                     fits = fits or square_distance(occupied, x, y, radius + 1.0) >= radius
             out[row, column] = fits and not closed[row, column]
-
-
-@jit
-def inflate(clearance, occupied, closed, x, y, yaw, radius, reach, factor, out) -> None:
-    """Write the costs of costmap_2d's topics into ``out`` (int8): 100 lethal, 99 inscribed .. 0 free, -1 unknown.
-
-    The first cell of ``out`` is centred at (x, y), its rows have the direction ``yaw`` (rad). Cells off the grid and
-    ``closed`` cells (bool) are unknown. Between ``radius`` and ``reach`` costs decay by exp(-``factor``) per cell.
-    """
-    height, width = clearance.shape
-    c, s = math.cos(yaw), math.sin(yaw)
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            column, row = int(math.floor(x + c * j - s * i + 1e-6)), int(math.floor(y + s * j + c * i + 1e-6))
-            if not (0 <= row < height and 0 <= column < width):
-                out[i, j] = -1
-                continue
-            room = clearance[row, column]
-            if occupied[row, column]:
-                out[i, j] = 100
-            elif closed[row, column]:
-                out[i, j] = -1
-            elif room < radius:
-                out[i, j] = 99
-            elif room <= reach:
-                out[i, j] = max(1, int(98.0 * math.exp(-factor * (room - radius))))
-            else:
-                out[i, j] = 0

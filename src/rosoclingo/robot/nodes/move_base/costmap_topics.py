@@ -46,7 +46,7 @@ def costs(view: CostmapView, size: Optional[Tuple[float, float]]) -> OccupancyGr
     columns, rows = (max(1, round(length / scale)) for length in size)
     x, y = (math.floor(v / scale - n / 2.0) * scale for v, n in zip(view.in_frame[:2], (columns, rows)))
     first = view.frame_in_map.compose(Pose2D(x + 0.5 * scale, y + 0.5 * scale))
-    return OccupancyGrid(costmap.costs(first, (rows, columns)), scale, x, y)
+    return OccupancyGrid(costmap.costs_around(first, (rows, columns)), scale, x, y)
 
 
 class CostmapTopics(rospy.SubscribeListener):  # type: ignore[misc]
