@@ -5,8 +5,7 @@ from typing import Optional, Sequence, Union
 
 import numpy as np
 
-from rosoclingo.robot.navigation.compiled.path import point_clearance
-from rosoclingo.robot.navigation.compiled.rollout import best_arc, best_command, can_turn
+from rosoclingo.robot.navigation.compiled.rollout import best_command, can_turn
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D, normalize_angle
 from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
@@ -14,12 +13,6 @@ from rosoclingo.robot.navigation.local_planner import Velocity, inscribed_radius
 Point = Union[Sequence[float], np.ndarray]  # x, y (m)
 
 TURN_CLEARANCE = 0.005  # m: clearance of the corners during a turn, to allow for the delay of commands
-CURVATURES = np.array(
-    [0.0, *(sign * c for c in (0.01, 0.02, 0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0) for sign in (1, -1))]
-)  # 1/m: candidate arcs of an escape
-ARC_LIMIT = 3.0  # m: maximum length of an escape arc
-ARC_CLEARANCE = 0.005  # m: clearance on an escape arc, unless half of the present clearance is less
-ARC_TIME, MIN_SPEED = 0.8, 0.02  # s: slows the robot towards the end of an escape arc; m/s: its minimum speed
 
 
 class Body:
@@ -54,11 +47,6 @@ class BodyState:
         """Return the distance (m) to a point."""
         return math.hypot(point[0] - self.pose.x, point[1] - self.pose.y)
 
-    def has_room(self, spare: float) -> bool:
-        """Return whether the robot can turn on the spot with a clearance of ``spare`` (m) of its outermost corner."""
-        room = point_clearance(self.costmap.clearance, self._cells[0], self._cells[1])
-        return bool(room >= (self.body.outer + spare) * self._scale)
-
     def can_turn(self, angle: float) -> bool:
         """Return whether the robot can turn on the spot by ``angle`` rad.
 
@@ -88,20 +76,3 @@ class BodyState:
             horizon, self.costmap.resolution,
         )  # fmt: skip
         return Velocity(float(speeds[i]), float(turns[j])) if i >= 0 else None
-
-    def arc_to_room(self, spare: float, speed: float, before: Optional[float] = None) -> Optional[Velocity]:
-        """Return the command along the shortest arc to a pose at which the robot can turn, or None.
-
-        ``spare`` (m) is its clearance there, ``speed`` (m/s) the maximum speed. The previous curvature ``before`` (1/m)
-        is preferred if it still works.
-        """
-        scale = self._scale
-        for curvatures in (CURVATURES if before is None else np.array([before]), CURVATURES):
-            i, length = best_arc(
-                *self._obstacles, self._shape, self._cells, curvatures / scale, ARC_LIMIT * scale,
-                (self.body.outer + spare) * scale, ARC_CLEARANCE * scale,
-            )  # fmt: skip
-            if length != 0.0:
-                linear = math.copysign(min(speed, max(MIN_SPEED, abs(length) / scale / ARC_TIME)), length)
-                return Velocity(linear, linear * float(curvatures[i]))
-        return None

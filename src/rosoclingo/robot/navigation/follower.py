@@ -22,7 +22,6 @@ SEARCH_WINDOW = 1.5  # m: length of the path that is searched for the robot's po
 # After LULL_TIMEOUT (s) with less than MIN_PROGRESS (m) of progress the robot tries manoeuvres that need less room.
 # After BLOCKED_TIMEOUT (s) it reports the path as blocked.
 MIN_PROGRESS, LULL_TIMEOUT, BLOCKED_TIMEOUT = 0.05, 3.0, 8.0
-ESCAPE_CLEARANCE = 0.01  # m: additional clearance at the end of an escape
 CREEP_FACTORS = np.array([1.0, 0.5, 0.25, 0.0, -0.5, -1.0])  # speeds in tight places, relative to creep_vel_x
 
 
@@ -42,12 +41,11 @@ class RolloutFollower(LocalPlanner):
         self._arrived = False
         self._body = Body(radius, footprint)
         self._least, self._lull = -1.0, 0.0  # shortest remaining path (m), and time without progress (s)
-        self._curvature: Optional[float] = None  # 1/m, of the current escape arc
 
     def set_plan(self, points: np.ndarray, goal: Pose2D) -> None:
         """Set a new path; see :class:`LocalPlanner`."""
         if goal != self._goal:
-            self._arrived, self._lull, self._curvature = False, 0.0, None
+            self._arrived, self._lull = False, 0.0
         self._points, self._goal = np.ascontiguousarray(points, dtype=np.float64), goal
         self._index, self._place, self._least = 0, 0.0, -1.0
         steps = np.hypot(*np.diff(self._points, axis=0).T) if len(points) > 1 else np.empty(0)
@@ -67,7 +65,7 @@ class RolloutFollower(LocalPlanner):
                 return command
             self._arrived = False  # closer to the goal there can be enough room to turn
         self._watch(now)
-        found = self._escape(now) if self._lull >= LULL_TIMEOUT else self._follow(now)
+        found = None if self._lull >= LULL_TIMEOUT else self._follow(now)
         if found:
             return VelocityCommand(FollowOutcome.DRIVING, found).stopping_first(velocity)
         return self._creep(now)
@@ -155,17 +153,6 @@ class RolloutFollower(LocalPlanner):
         horizon = max(0.6, min(limits.sim_time, 2.0 * now.distance(self._points[-1]) / limits.max_vel_x))
         found = now.best_command(speeds, needs, turns, carrot, limits.comfort, horizon)
         return found if found and (abs(found.linear) >= 0.01 or abs(found.angular) >= 0.05) else None
-
-    def _escape(self, now: BodyState) -> Optional[Velocity]:
-        """Return the command towards a pose at which the robot can turn.
-
-        None if it can turn already, or if no arc leads to such a pose.
-        """
-        if not self.footprint or now.has_room(0.5 * ESCAPE_CLEARANCE):
-            return None
-        found = now.arc_to_room(ESCAPE_CLEARANCE, self.limits.creep_vel_x, self._curvature)
-        self._curvature = found.angular / found.linear if found else None
-        return found
 
     def _creep(self, now: BodyState) -> VelocityCommand:
         """Drive slowly, possibly backwards, with minimum clearance; report a blocked path after BLOCKED_TIMEOUT."""

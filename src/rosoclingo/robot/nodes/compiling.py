@@ -12,7 +12,6 @@ from typing import Callable
 
 import numpy as np
 
-from rosoclingo.robot.navigation.body import Body, BodyState
 from rosoclingo.robot.navigation.compiled.jit import FOLDER
 from rosoclingo.robot.navigation.costmap import Costmap, CostmapLimits
 from rosoclingo.robot.navigation.follower import RolloutFollower
@@ -62,9 +61,6 @@ def _navigate() -> None:
         for _ in range(4):
             costmap.observe(pose, angles, np.full(20, 0.5), 5.0)
             follower.compute(costmap, pose, Velocity(), 4.0)  # a long period, so that the robot creeps
-        body = BodyState(Body(0.2, footprint), costmap, pose, Velocity(), 0.1)
-        body.has_room(0.0)
-        body.arc_to_room(0.0, 0.1)
 
 
 def _simulate() -> None:

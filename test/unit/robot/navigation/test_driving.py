@@ -96,8 +96,6 @@ TIGHT = {
     "a disc through a gap whose middle lies between cells": (
         (6.0, 4.0, 0.1, [(2.9, 0.0, 3.1, 1.5), (2.9, 1.9, 3.1, 4.0)]),
         Pose2D(1.0, 3.0, 2.0), {"radius": 0.18}, [Pose2D(5.0, 1.0, 0.3), Pose2D(1.0, 3.0, 2.0)]),
-    "away from a wall alongside, where it cannot turn": ((6.0, 6.0), Pose2D(3.0, 0.31, np.pi), {"footprint": LONG},
-        [Pose2D(1.0, 4.0, 0.0)]),
     "to a goal behind a gap whose corners prevent the turn": ((6.0, 4.0, 0.05, BEHIND), Pose2D(1.0, 2.0, 0.0),
         {"footprint": LONG}, [Pose2D(3.0, 2.0, 0.5 * np.pi)]),
 }  # fmt: skip

@@ -6,12 +6,9 @@ import numpy as np
 
 from rosoclingo.robot.navigation.compiled.footprints import body_clearance
 from rosoclingo.robot.navigation.compiled.jit import jit
-from rosoclingo.robot.navigation.compiled.path import point_clearance
 
 STEPS = 12  # poses checked along a command
 ANGLE, NEARNESS = 0.25, 0.6  # weights of the heading error (m/rad) and of missing comfort clearance (m/m) in the score
-FINE = 0.1  # cells: minimum step along an arc
-GAIN = 0.05  # minimum gain in clearance of an arc that does not reach the required room, as a fraction of it
 
 
 @jit
@@ -83,31 +80,3 @@ def best_command(clearance, occupied, body, pose, speeds, needs, turns, carrot, 
             if spare >= least and score < best:
                 best, best_i, best_j = score, i, j
     return best_i, best_j
-
-
-@jit
-def best_arc(clearance, occupied, body, pose, curvatures, longest, room, least):
-    """Return (index of curvature, signed length) of the shortest arc to a pose with clearance ``room``.
-
-    ``pose``: x, y (cells), yaw. ``curvatures``: 1/cell. ``longest``: cells. Along the arc the body keeps the clearance
-    ``least`` (cells), or half of its present clearance if that is smaller. If no arc reaches ``room``, the result is
-    the arc to the largest clearance; its length is 0.0 if no arc improves the clearance.
-    """
-    _outline, _radius, outer = body
-    now = body_clearance(clearance, occupied, body, pose[0], pose[1], pose[2], 2.0)
-    least = min(least, 0.5 * now, now - 1e-3)
-    most, best_i, best_length = point_clearance(clearance, pose[0], pose[1]) + GAIN * room, 0, 0.0
-    for i in range(curvatures.shape[0]):
-        for sign in (1.0, -1.0):
-            x, y, yaw, done, spare = pose[0], pose[1], pose[2], 0.0, now
-            while done < longest and spare >= least:
-                step = max(FINE, 0.5 * (spare - least) / (1.0 + abs(curvatures[i]) * outer))
-                half, chord = _arc(sign * step, sign * curvatures[i] * step, 1.0)
-                x, y = x + chord * math.cos(yaw + half), y + chord * math.sin(yaw + half)
-                yaw, done = yaw + 2.0 * half, done + step
-                spare = body_clearance(clearance, occupied, body, x, y, yaw, 2.0)
-                clear = point_clearance(clearance, x, y)
-                if spare >= least and (clear > most or (clear >= room and done < longest)):
-                    best_i, best_length = i, sign * done
-                    most, longest = (np.inf, done) if clear >= room else (clear, longest)
-    return best_i, best_length
