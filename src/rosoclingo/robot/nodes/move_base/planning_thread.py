@@ -1,13 +1,12 @@
 """Planning thread of the move_base node, so that long planning does not delay commands."""
 
-import queue
-import threading
 import time
 from concurrent import futures
 from typing import Callable, Optional
 
 import rospy
 
+from rosoclingo.common.worker import Worker
 from rosoclingo.robot.navigation.costmap import Costmap
 from rosoclingo.robot.navigation.geometry import Pose2D
 from rosoclingo.robot.navigation.grid_planner import GlobalPlan, GlobalPlanner
@@ -34,8 +33,8 @@ class PlanningThread(Planning):
         super().__init__(planner)
         self._asked: Optional[Job] = None
         self._running: Optional[Job] = None
-        self._jobs: queue.Queue[Job] = queue.Queue()
-        threading.Thread(target=self._run, name="planning", daemon=True).start()
+        self._worker = Worker(period=60.0)
+        self._worker.start()
 
     def ask(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
         """Request a plan, and wait for it for at most GRACE s; see :class:`Planning`."""
@@ -72,19 +71,17 @@ class PlanningThread(Planning):
     def _put(self, costmap: Costmap, start: Pose2D, goal: Pose2D, tolerance: Optional[float], what: str) -> Job:
         snapshot = costmap.snapshot()
         job = Job(lambda: self.planner.plan(snapshot, start, goal, tolerance), what)
-        self._jobs.put(job)
+        self._worker.put(self._run, job)
         return job
 
-    def _run(self) -> None:
-        while True:
-            job = self._jobs.get()
-            job.begun = time.monotonic()
-            self.planner.cancelled[0], self._running = False, job
-            if job.future.set_running_or_notify_cancel():
-                try:
-                    job.future.set_result(job.work())
-                except BaseException as error:  # noqa: BLE001 a plugin can raise any exception, passed to the caller
-                    job.future.set_exception(error if isinstance(error, Exception) else RuntimeError(repr(error)))
-            self._running = None
-            if job.logged:
-                rospy.loginfo("planned %s in %.1f s", job.what, time.monotonic() - job.begun)
+    def _run(self, job: Job) -> None:
+        job.begun = time.monotonic()
+        self.planner.cancelled[0], self._running = False, job
+        if job.future.set_running_or_notify_cancel():
+            try:
+                job.future.set_result(job.work())
+            except BaseException as error:  # noqa: BLE001 a plugin can raise any exception, passed to the caller
+                job.future.set_exception(error if isinstance(error, Exception) else RuntimeError(repr(error)))
+        self._running = None
+        if job.logged:
+            rospy.loginfo("planned %s in %.1f s", job.what, time.monotonic() - job.begun)
