@@ -66,15 +66,13 @@ class Costmap:
         self._static = grid.occupied(self.limits.lethal_threshold)
         self._unknown = (grid.cells < 0) & (not self.limits.allow_unknown)
         self.occupied = self._static.copy()
-        self.marks = np.zeros(grid.shape, dtype=np.uint8)
         self.clearance = np.empty(grid.shape, dtype=np.float32)
-        self.has_marks = False
         self._counts = np.zeros(grid.shape, dtype=np.uint8)
         self.closed = self._unknown.copy()
         self.free_spaces = tuple(
             FreeSpace(np.zeros(grid.shape, dtype=np.uint8), (radius + SPARE) / grid.resolution) for radius in radii
         )
-        self._refresh((0, grid.shape[0], 0, grid.shape[1]), margin=0)
+        self._refresh((0, grid.shape[0], 0, grid.shape[1]))
         self._static_clearance = self.clearance.copy()
         self._static_costmap: Optional[Costmap] = None
         self.unmarked = np.empty((0, 2))
@@ -83,7 +81,7 @@ class Costmap:
     def snapshot(self) -> "Costmap":
         """Return a copy for planning in another thread. It must not be modified."""
         twin = copy.copy(self)
-        twin.clearance, twin.occupied, twin.marks = self.clearance.copy(), self.occupied.copy(), self.marks.copy()
+        twin.clearance, twin.occupied = self.clearance.copy(), self.occupied.copy()
         twin.free_spaces = tuple(space._replace(open=space.open.copy()) for space in self.free_spaces)
         return twin
 
@@ -92,6 +90,16 @@ class Costmap:
         if self._static_costmap is None:
             self._static_costmap = Costmap(self.grid, self.limits)
         return self._static_costmap
+
+    @property
+    def marks(self) -> np.ndarray:
+        """The mask (bool H, W) of occupied cells that are not on the map."""
+        return self.occupied > self._static
+
+    @property
+    def has_marks(self) -> bool:
+        """Whether there are such cells."""
+        return bool(self.marks.any())
 
     def to_cells(self, x: float, y: float) -> Tuple[float, float]:
         """Convert a point (m) to cells, the unit of the compiled functions."""
@@ -124,9 +132,9 @@ class Costmap:
         known = (self.limits.static_tolerance + min(smear * self.limits.obstacle_range, most)) / self.resolution
         lengths = ends / self.resolution + 1e-3
         changed = count_scan(
-            self._counts, self.marks, self._static, self._static_clearance, x, y, turned, lengths, hits, known
+            self._counts, self.occupied, self._static, self._static_clearance, x, y, turned, lengths, hits, known
         )
-        self._changed(changed)
+        self._refresh(changed)
         # Hits that are neither mapped nor marked yet, for braking.
         scale = self.resolution
         seen = hits_apart(self.occupied, self.clearance, x, y, turned, far / scale, hits, BRAKE_RANGE / scale, known)
@@ -134,28 +142,27 @@ class Costmap:
         self.unmarked = np.concatenate(self._unmarked)
         return bool(changed != EMPTY)
 
-    def forget(self, x: float, y: float, beyond: float = 0.0) -> bool:
-        """Drop marks further than ``beyond`` m (in x or y) from a point. Return whether there were any."""
+    def forget(self, x: float, y: float, beyond: float = 0.0) -> None:
+        """Drop marks further than ``beyond`` m (in x or y) from a point."""
         row, column = self.grid.cell(x, y)
         span = round(beyond / self.resolution)
-        dropped = self.marks > 0
+        dropped = self.marks
         dropped[max(0, row - span) : max(0, row + span), max(0, column - span) : max(0, column + span)] = False
-        self.marks[dropped] = self._counts[dropped] = 0
-        self._changed(_window_of(np.argwhere(dropped)))
-        return bool(dropped.any())
+        self.occupied[dropped] = self._counts[dropped] = 0
+        self._refresh(_window_of(np.argwhere(dropped)))
 
     def forget_under(self, x: float, y: float) -> None:
         """Drop marks whose middle is within the robot's radius of its position (m)."""
         radius, (row, column) = self.limits.robot_radius, self.grid.cell(x, y)
         window = self._widened((row, row + 1, column, column + 1), math.ceil(radius / self.resolution))
         part = (slice(window[0], window[1]), slice(window[2], window[3]))
-        if self.marks[part].any():
+        marks = self.occupied[part] > self._static[part]
+        if marks.any():
             (cx, cy), (rows, columns) = self.to_cells(x, y), np.mgrid[part]
-            far = np.hypot(rows + 0.5 - cy, columns + 0.5 - cx) * self.resolution >= radius
-            if (self.marks[part] > far).any():
-                self.marks[part] *= far
-                self._counts[part] *= far
-                self._changed(window)
+            dropped = marks & (np.hypot(rows + 0.5 - cy, columns + 0.5 - cx) * self.resolution < radius)
+            if dropped.any():
+                self.occupied[part][dropped] = self._counts[part][dropped] = 0
+                self._refresh(window)
 
     def bar(self, x: float, y: float) -> None:
         """Close the area around a point (m) at which a path turned out to be blocked."""
@@ -199,19 +206,12 @@ class Costmap:
         costs[inside] = self.costs((rows[inside], columns[inside]))
         return costs
 
-    def _changed(self, window: Window) -> None:
-        """Update occupancy and clearance after marks changed within a window."""
+    def _refresh(self, window: Window) -> None:
+        """Update the clearance after cells within a window changed."""
         if window != EMPTY:
-            self._refresh(window, margin=math.ceil(self.reach) + 1)
-            self.has_marks = bool(self.marks.any())
-
-    def _refresh(self, window: Window, margin: int) -> None:
-        row0, row1, column0, column1 = window
-        part = (slice(row0, row1), slice(column0, column1))
-        self.occupied[part] = self._static[part] | self.marks[part]
-        window = self._widened(window, margin)
-        update_clearance(self.occupied, self.reach, *window, self.clearance)
-        self._update_free_spaces(window)
+            window = self._widened(window, math.ceil(self.reach) + 1)
+            update_clearance(self.occupied, self.reach, *window, self.clearance)
+            self._update_free_spaces(window)
 
     def _update_free_spaces(self, window: Window) -> None:
         for space in self.free_spaces:

@@ -17,14 +17,14 @@ GAIN, SURE, LIMIT = 2, 4, 6
 
 
 @jit
-def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, known):
+def count_scan(counts, occupied, mapped, clearance, x, y, angles, lengths, hits, known):
     """Count the hits and passes of a scan from (x, y), and mark and clear cells accordingly.
 
-    ``counts``, ``marks``: uint8 (H, W). ``hits``: bool (n). Rays that end within ``known`` of an occupied cell of
-    ``mapped`` (uint8 H, W; ``clearance``: float32, its distance field) do not count as hits.
-    Returns the window (row0, row1, column0, column1; half-open) of changed marks, (0, 0, 0, 0) if there are none.
+    ``counts``, ``occupied``: uint8 (H, W). ``mapped`` cells (uint8 H, W) stay occupied, and rays that end within
+    ``known`` of them do not count as hits; ``clearance`` (float32) is their distance field. ``hits``: bool (n).
+    Returns the window (row0, row1, column0, column1; half-open) of changed cells, (0, 0, 0, 0) if there are none.
     """
-    height, width = marks.shape
+    height, width = occupied.shape
     reach = lengths.max() + 1.0 if lengths.shape[0] else 0.0
     top, left = max(0, int(y - reach)), max(0, int(x - reach))
     rows, columns = min(height, int(y + reach) + 1) - top, min(width, int(x + reach) + 1) - left
@@ -39,9 +39,12 @@ def count_scan(counts, marks, mapped, clearance, x, y, angles, lengths, hits, kn
     low_r, high_r, low_c, high_c = height, 0, width, 0
     for r in range(ended.shape[0]):
         for c in range(ended.shape[1]):
-            if ended[r, c] + passed[r, c] and _is_changed(counts, marks, r + top, c + left, ended[r, c], passed[r, c]):
-                low_r, high_r = min(low_r, r + top), max(high_r, r + top + 1)
-                low_c, high_c = min(low_c, c + left), max(high_c, c + left + 1)
+            row, column = r + top, c + left
+            if mapped[row, column] or ended[r, c] + passed[r, c] == 0:
+                continue
+            if _is_changed(counts, occupied, row, column, ended[r, c], passed[r, c]):
+                low_r, high_r = min(low_r, row), max(high_r, row + 1)
+                low_c, high_c = min(low_c, column), max(high_c, column + 1)
     return (low_r, high_r, low_c, high_c) if high_r else (0, 0, 0, 0)
 
 
@@ -61,9 +64,9 @@ def _pass(passed, x, y, dx, dy, length):
 
 
 @jit
-def _is_changed(counts, marks, row, column, ended, passed):
+def _is_changed(counts, occupied, row, column, ended, passed):
     """Update the count of a cell. Return whether this marks or clears the cell."""
-    count, marked = int(counts[row, column]), marks[row, column] > 0
+    count, marked = int(counts[row, column]), occupied[row, column] > 0
     if ended * (PART_MARKED if marked else PART) >= ended + passed:
         count = min(LIMIT, count + GAIN)
     elif passed:
@@ -71,7 +74,7 @@ def _is_changed(counts, marks, row, column, ended, passed):
     counts[row, column] = count
     if marked == (count > 0 if marked else count >= SURE):
         return False
-    marks[row, column] = not marked
+    occupied[row, column] = not marked
     return True
 
 
