@@ -179,10 +179,11 @@ def _atoms_after_request(*facts):
     sizes = []
 
     class SizedSolver(PlanSolver):
-        def search(self, *arguments):
-            result = super().search(*arguments)
-            sizes.append(self.atoms)
-            return result
+        def search(self, update, stopped):
+            if update is not None:
+                self.inquire(update, frozenset(), frozenset())
+                sizes.append(len(self.probed_atoms()))
+            return super().search(update, stopped)
 
     grid = [(one, one + 1) for one in range(1, 12) if one % 4] + [(one, one + 4) for one in range(1, 9)]
     fleet = Fleet(grid, {"r1": 1, "r2": 4, "r3": 10}, solver=partial(SizedSolver, plan_time=1.0))
