@@ -10,7 +10,7 @@ See :mod:`~rosoclingo.planning.prediction` for the use of both.
 """
 
 from functools import lru_cache
-from typing import FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.ast import ASTType, Sign
@@ -19,14 +19,12 @@ from rosoclingo.oclingo.program.action_rules import ACTION, RETURN
 from rosoclingo.oclingo.program.literals import names_in
 from rosoclingo.oclingo.program.nodes import Node
 from rosoclingo.oclingo.program.parts import Occurrence, Part
-from rosoclingo.oclingo.program.patterns import FAR, Pattern
+from rosoclingo.oclingo.program.patterns import FAR
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.program.signatures import term_signature
 from rosoclingo.oclingo.progression.terms import Signature
 
 ASKS, ACTS = "__oclingo_asks", "__oclingo_acts"
-
-Constants = Mapping[str, clingo.Symbol]
 
 _CYCLE = 2  # the position of the cycle in actions and returns
 _SIMPLE = (ASTType.Variable, ASTType.SymbolicTerm, ASTType.Function, ASTType.UnaryOperation, ASTType.BinaryOperation)
@@ -47,12 +45,11 @@ class ReturnRules(NamedTuple):
     with_actions: FrozenSet[int]
 
 
-def may_heed(parts: Sequence[Part], constants: Constants, atoms: Iterable[clingo.Symbol]) -> bool:
+def may_heed(parts: Sequence[Part], atoms: Iterable[clingo.Symbol]) -> bool:
     """Return whether a rule body can contain one of ``atoms`` at some step; False is certain."""
     candidates = list(atoms)
     return any(
-        atom.match(one.signature.name, one.signature.arity)
-        and Pattern(one.term, part.parameter, one.statement, dict(constants)).can_match(atom, -FAR, FAR)
+        atom.match(one.signature.name, one.signature.arity) and one.can_match(atom, -FAR, FAR)
         for part in parts
         for one in part.atoms
         if not one.head

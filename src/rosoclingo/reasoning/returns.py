@@ -454,7 +454,7 @@ class ExecutionMonitor(PersistentPart):
         """
         atoms = [failure.atom, return_of(failure.atom).failure, *map(success_of, failure.actions)]
         declared = self._program.can_define(failure.atom, self._program.first_step)
-        return declared and may_heed(self._program.parts, self._program.values, atoms)
+        return declared and may_heed(self._program.parts, atoms)
 
     def _is_known(self, atom: Symbol) -> bool:
         """Return whether a fact with a cycle was sent before."""

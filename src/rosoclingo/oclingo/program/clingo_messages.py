@@ -68,7 +68,8 @@ def _fault(text: str, parameter_at: ParameterAt, statement_at: StatementAt) -> F
     if variables:
         kind = "unsafe"
         rule = statement_at(file, line, column)
-        message = f"unsafe variable{'s' * (len(variables) > 1)} {', '.join(variables)}{' in ' * bool(rule)}{rule}"
+        message = "unsafe variable{} {}".format("s" * (len(variables) > 1), ", ".join(variables))
+        message += f" in {rule}" if rule else ""
         remedy = "bind each variable by a positive body literal, for instance a domain like office(X)"
         if rule.startswith("#external"):
             remedy = "bind each variable by a condition, for instance #external e(X) : office(X)."

@@ -55,7 +55,8 @@ class WorkerPool:
                 threads.
             options: options of the solver, plain values; ``shortest`` selects :class:`PlanSolver` rather than
                 :class:`ReactiveSolver`. ``growth`` is the number of bytes by which a worker can grow after its first
-                search; then it is replaced after 100 searches (default: 32 MB, or as much as it used if that is more).
+                search (default: 32 MB, or as much as it used then if that is more). A worker that grows more is
+                replaced, but not before it has searched often.
 
         """
         self._start_worker = lambda: SolverWorker(program, options, patience, fork)

@@ -33,7 +33,7 @@ class PlanningThread(Planning):
         super().__init__(planner)
         self._asked: Optional[Job] = None
         self._running: Optional[Job] = None
-        self._worker = Worker(period=60.0)
+        self._worker = Worker(period=60.0)  # nothing is done periodically
         self._worker.start()
 
     def ask(self, costmap: Costmap, start: Pose2D, goal: Pose2D) -> None:
