@@ -80,6 +80,7 @@ class PooledCore:
         def is_over():
             return self.process.cpu_time >= end
 
+        self.core.compact(is_over)
         while not is_over() and self.core.improve(is_over) and not is_over():  # a stopped search is not exhausted
             yield
 

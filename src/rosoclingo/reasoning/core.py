@@ -219,10 +219,7 @@ class Core(PersistentPart):
         Running actions stay in the plan. The call returns with each better plan, and soon after ``stopped``, which is
         polled every few milliseconds, returns True.
         """
-        if not self.awaited or self._feeder.pending:
-            return False
-        self._planner.compact(stopped)
-        if self._ahead.join is not None:
+        if not self.awaited or self._feeder.pending or self._ahead.join is not None:
             return False
         result = self._planner.improve(stopped) if self._improvable and not stopped() else None
         if result is not None:
@@ -231,6 +228,11 @@ class Core(PersistentPart):
             self._report_progress()
         self._improvable = self._improvable and (result is not None or stopped())
         return self._improvable
+
+    def compact(self, stopped: Callable[[], bool]) -> None:
+        """Compact a long history while actions run and nothing waits, until ``stopped``; see :meth:`improve`."""
+        if self.awaited and not self._feeder.pending:
+            self._planner.compact(stopped)
 
     def prepare(self) -> None:
         """Prefetch the answer to a likely update, or a plan with queued goals, while actions run."""

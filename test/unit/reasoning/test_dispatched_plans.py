@@ -99,6 +99,7 @@ class JudgedRun(Run):
         """Check that plans only get shorter and stay valid, and that executed and running actions stay."""
         core, looks = self.core, iter(range(LOOKS))
         fixed = [one for one in core.plan.actions if one.cycle <= core.cycle], core.awaited, core.cycle
+        core.compact(lambda: False)
         more = True
         while more:
             more = core.improve(lambda: next(looks, None) is None) and next(looks, None) is not None

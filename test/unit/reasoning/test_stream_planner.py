@@ -26,3 +26,20 @@ def test_failing_improvement_changes_nothing():
     driver = Driver(ERRANDS, solver=LostSolver).goal("a", "do(walk,1)")
     assert not driver.core.improve(lambda: False)
     assert driver.finish().states("a")[-1] == "succeeded"
+
+
+def test_history_is_compacted_only_while_actions_run_and_nothing_waits():
+    compactions = []
+
+    class NotingSolver(PlanSolver):
+        def compact(self, stopped):
+            compactions.append(self.step)
+
+    driver = Driver(ERRANDS, solver=NotingSolver)
+    driver.core.compact(lambda: False)
+    assert compactions == []
+    driver.goal("a", "do(walk,1)").core.compact(lambda: False)
+    assert compactions == [1]
+    driver.core.add_goal("b", "do(walk,2)")
+    driver.core.compact(lambda: False)
+    assert compactions == [1]

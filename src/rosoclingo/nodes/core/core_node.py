@@ -54,7 +54,7 @@ SHUTDOWN_TIME = 5.0
 #: Seconds, of wall time or of ROS time, after which an improvement pauses for timed work.
 IMPROVING = 0.5
 
-#: Seconds of wall time after the last cycle before answers are prefetched.
+#: Seconds of wall time after the last cycle before answers are prefetched and the history is compacted.
 PREPARING = 0.1
 
 #: Seconds of wall time between two turns of the worker, once answers are prefetched.
@@ -322,10 +322,11 @@ class CoreNode:
             if self._worker.waiting:  # a cancel that arrived during the search affects the next search
                 break
         self._send()
+        arrives = self._watch_arrivals(rospy.get_time())
         if time.monotonic() - self._last_cycle >= PREPARING:
             self._core.prepare()
-        now = rospy.get_time()
-        return self._parameters.time_to_shorten is not None and self._core.improve(self._watch_improvement(now))
+            self._core.compact(arrives)
+        return self._parameters.time_to_shorten is not None and self._core.improve(arrives)
 
     def _send(self) -> None:
         self._keeper.send(keep_ends=self._server.awaits_clients)
@@ -347,8 +348,8 @@ class CoreNode:
             self._take_arrivals()
         return self._ending
 
-    def _watch_improvement(self, now: float) -> Callable[[], bool]:
-        """Return a watch that ends an improvement of the plan on any arrival, or after IMPROVING seconds."""
+    def _watch_arrivals(self, now: float) -> Callable[[], bool]:
+        """Return a watch that ends optional work on any arrival, or after IMPROVING seconds."""
         start = time.monotonic()
 
         def look() -> bool:
