@@ -24,7 +24,7 @@ from rosoclingo.oclingo.progression.lifetimes import FOREVER
 from rosoclingo.oclingo.progression.updates import Literal, Statement
 from rosoclingo.oclingo.solving.results import Answer
 from rosoclingo.oclingo.solving.stream_state import ClosedHeads, StateItem, TimedStatement
-from rosoclingo.planning.fixed_atoms import FixedAtoms, fixed_atoms
+from rosoclingo.planning.fixed_atoms import FixedAtoms, ObservedGrounding, fixed_atoms
 from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan
 from rosoclingo.planning.question import Question, Stop, never
@@ -55,13 +55,13 @@ def compacted(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped:
     return _without_fixed_steps(grounding, snapshot, fixed, facts) if fixed.first > start else None
 
 
-def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped: Stop) -> Grounding:
+def _past(program: ReactiveProgram, snapshot: Snapshot, plan: Plan, stopped: Stop) -> ObservedGrounding:
     """Return a grounding of the past and present steps, with an answer for the actions of ``plan``.
 
     The horizon of the answer lies so far beyond these steps that none of their volatile rules hold.
     """
     step = snapshot.step
-    grounding = Grounding(program, replace(snapshot, horizon=step), step, stopped=stopped, settles=False)
+    grounding = ObservedGrounding(program, replace(snapshot, horizon=step), step, stopped=stopped, settles=False)
     horizon = step + max(program.windows)
     actions = plan.fixing(grounding.actions(program.first_step, step))
     grounding.ask(Question(horizon, horizon, actions, believes=False), never)

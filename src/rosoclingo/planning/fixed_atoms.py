@@ -1,15 +1,14 @@
-"""The atoms in the ground rules of the first steps, and the last step up to which all of them are fixed.
+"""The atoms in the ground rules of the first steps, and the last step up to which all of them are fixed."""
 
-The rules are grounded a second time, because an observer would slow down each search.
-"""
-
-from typing import AbstractSet, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
 from clingo.propagator import PropagateInit, Propagator, PropagatorCheckMode
 
-from rosoclingo.planning.grounding import PAST, Grounding
+from rosoclingo.oclingo.solving.clasp_search import ClaspSearch
+from rosoclingo.oclingo.solving.stepwise_grounding import Parts
+from rosoclingo.planning.grounding import Grounding
 
 
 class FixedAtoms(NamedTuple):
@@ -31,6 +30,21 @@ class FixedAtoms(NamedTuple):
     defined: FrozenSet[clingo.Symbol]
     base: FrozenSet[clingo.Symbol]
     true: FrozenSet[clingo.Symbol]
+
+
+class Block(NamedTuple):
+    """The ground rules of steps that were grounded in one call.
+
+    Attributes:
+        steps: the steps.
+        heads: the atoms in heads of the rules.
+        atoms: all atoms in the rules.
+
+    """
+
+    steps: range
+    heads: FrozenSet[clingo.Symbol]
+    atoms: FrozenSet[clingo.Symbol]
 
 
 class _Rules(Observer):
@@ -87,45 +101,51 @@ class _Values(Propagator):
                 self.values[atom] = bool(init.assignment.value(literal))
 
 
-_Block = Tuple[range, FrozenSet[clingo.Symbol], FrozenSet[clingo.Symbol]]
-"""The steps of a block, the atoms in heads of its rules, and all atoms in its rules."""
+class ObservedGrounding(Grounding):
+    """A grounding that records the atoms in its ground rules. Its searches are slow."""
 
+    def _load(self, extra: Iterable[Tuple[str, List[str], str]] = ()) -> ClaspSearch:
+        self._rules = _Rules()
+        self._blocks: List[Tuple[range, Set[int], Set[int]]] = []  # steps, literals of heads, and of all other atoms
+        self._names: Dict[int, clingo.Symbol] = {}
+        self._control.register_observer(self._rules)
+        return super()._load(extra)
 
-def _reground(grounding: Grounding, end: int) -> List[_Block]:
-    """Ground the program again; return base, followed by the blocks that end before step ``end``."""
-    rules, found = _Rules(), []  # type: _Rules, List[Tuple[range, Set[int], Set[int]]]
-    control = clingo.Control(grounding.program.arguments(), logger=lambda code, text: None)
-    control.register_observer(rules, replace=True)
-    grounding.program.load_into(control)
-    control.add(*PAST, "".join(f"{atom}.\n" for atom in grounding.past.facts))
-    for steps, parts in grounding.ground_parts:
+    def _ground(self, parts: Parts, steps: range) -> None:
+        self._rules.heads, self._rules.others = set(), set()
         name = parts[0][0]
-        if name == "cumulative" and steps[-1] >= end:
-            break
-        rules.heads, rules.others = set(), set()
-        control.ground(parts)
         if name in ("base", "cumulative"):
-            found.append((steps, rules.heads, rules.heads | rules.others))
-    names = {one.literal: one.symbol for one in control.symbolic_atoms}
+            self._blocks.append((steps, self._rules.heads, self._rules.others))
+        super()._ground(parts, steps)
+        if name == "base":
+            self._name_atoms()  # now, as later steps can decide them
 
-    def named(literals: Set[int]) -> FrozenSet[clingo.Symbol]:
-        return frozenset(names[one] for one in literals & names.keys())
+    def _name_atoms(self) -> None:
+        self._names.update((one.literal, one.symbol) for one in self._control.symbolic_atoms)
 
-    return [(steps, named(heads), named(atoms)) for steps, heads, atoms in found]
+    def blocks(self) -> List[Block]:
+        """Return base and the blocks, without the atoms of blocks that are false in all answers."""
+        self._name_atoms()
+        names = self._names
+        return [
+            Block(steps, *(frozenset(names[one] for one in some & names.keys()) for some in (heads, heads | others)))
+            for steps, heads, others in self._blocks
+        ]
 
 
-def fixed_atoms(grounding: Grounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
+def fixed_atoms(grounding: ObservedGrounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
     """Return the fixed atoms of the grounded steps before ``end``; the ``open_atoms`` count as not fixed."""
-    (_, _, base), *blocks = _reground(grounding, end)
-    fixed = _Values(base.union(*(atoms for _, _, atoms in blocks)) - open_atoms)
+    base, *later = grounding.blocks()
+    blocks = [one for one in later if one.steps[-1] < end]
+    fixed = _Values(base.atoms.union(*(one.atoms for one in blocks)) - open_atoms)
     grounding.inspect(fixed)
     first, steps, defined = grounding.past.first, {}, set()  # type: int, Dict[clingo.Symbol, int], Set[clingo.Symbol]
-    for block, heads, atoms in blocks:
-        if not fixed.values.keys() >= atoms:
+    for block in blocks:
+        if not fixed.values.keys() >= block.atoms:
             break
-        first = block[-1] + 1
-        defined |= heads
-        for atom in atoms:
-            steps.setdefault(atom, block[0])
+        first = block.steps[-1] + 1
+        defined |= block.heads
+        for atom in block.atoms:
+            steps.setdefault(atom, block.steps[0])
     true = frozenset(atom for atom, value in fixed.values.items() if value)
-    return FixedAtoms(first, steps, frozenset(defined), base, true)
+    return FixedAtoms(first, steps, frozenset(defined), base.atoms, true)

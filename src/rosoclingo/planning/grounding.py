@@ -73,7 +73,6 @@ class Grounding(StepwiseGrounding):
         snapshot: the snapshot it was built from.
         warnings: warnings about ignored statements of the snapshot's last update.
         past: the compacted steps.
-        ground_parts: the parts in the order in which they were grounded, each with its steps.
         shown: the shown atoms of the last answer, None before the first answer.
         statements: the statements that were added.
         is_cyclic: whether a statement closes a positive loop. clingo detects loops only among rules that are added
@@ -116,7 +115,6 @@ class Grounding(StepwiseGrounding):
         self.warnings = [*snapshot.warnings, *unused_facts(program, snapshot)]
         self.shown: Optional[FrozenSet[clingo.Symbol]] = None
         self.statements: List[TimedStatement] = []
-        self.ground_parts: List[Tuple[range, Parts]] = []
         self._settles, self._compacted = settles, frozenset(atom for _, atom in self.past.shown)
         self._return_rules = return_rules(program) if predicts else None
         self._asserted: FrozenSet[clingo.Symbol] = frozenset()
@@ -165,7 +163,6 @@ class Grounding(StepwiseGrounding):
 
     def _ground(self, parts: Parts, steps: range) -> None:
         super()._ground(parts, steps)
-        self.ground_parts.append((steps, parts))
         self._ends.expire()
 
     def ground_to(self, last: int) -> None:
