@@ -1,6 +1,6 @@
 """The atoms in the ground rules of the first steps, and the last step up to which all of them are fixed."""
 
-from typing import AbstractSet, Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import clingo
 from clingo.backend import Observer
@@ -32,40 +32,24 @@ class FixedAtoms(NamedTuple):
     true: FrozenSet[clingo.Symbol]
 
 
-class Block(NamedTuple):
-    """The ground rules of steps that were grounded in one call.
-
-    Attributes:
-        steps: the steps.
-        heads: the atoms in heads of the rules.
-        atoms: all atoms in the rules.
-
-    """
-
-    steps: range
-    heads: FrozenSet[clingo.Symbol]
-    atoms: FrozenSet[clingo.Symbol]
-
-
 class _Rules(Observer):
     """Collects the literals of ground rules.
 
     Auxiliary atoms of clingo, for projections and aggregates, are ignored: they follow from atoms with names.
 
     Attributes:
-        heads: literals of heads.
-        others: literals of bodies, and externals.
+        blocks: for each call of clingo, the name of the part, its steps, the literals of heads, and all other ones.
 
     """
 
     def __init__(self) -> None:
-        self.heads: Set[int] = set()
-        self.others: Set[int] = set()
+        self.blocks: List[Tuple[str, range, Set[int], Set[int]]] = [("", range(0), set(), set())]
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         """Record a rule."""
-        self.heads.update(head)
-        self.others.update(map(abs, body))
+        _, _, heads, others = self.blocks[-1]
+        heads.update(head)
+        others.update(map(abs, body))
 
     def weight_rule(self, choice: bool, head: Sequence[int], lower_bound: int, body: Sequence[Tuple[int, int]]) -> None:
         """Record a rule with a weighted body."""
@@ -73,7 +57,7 @@ class _Rules(Observer):
 
     def external(self, atom: int, value: clingo.TruthValue) -> None:
         """Record an external."""
-        self.others.add(atom)
+        self.blocks[-1][3].add(atom)
 
 
 class _Values(Propagator):
@@ -101,51 +85,52 @@ class _Values(Propagator):
                 self.values[atom] = bool(init.assignment.value(literal))
 
 
+_Block = Tuple[range, FrozenSet[clingo.Symbol], FrozenSet[clingo.Symbol]]
+"""The steps of a block, the atoms in heads of its rules, and all atoms in its rules."""
+
+
 class ObservedGrounding(Grounding):
-    """A grounding that records the atoms in its ground rules. Its searches are slow."""
+    """A grounding that records its ground rules; searches in it are slow."""
 
     def _load(self, extra: Iterable[Tuple[str, List[str], str]] = ()) -> ClaspSearch:
-        self._rules = _Rules()
-        self._blocks: List[Tuple[range, Set[int], Set[int]]] = []  # steps, literals of heads, and of all other atoms
-        self._names: Dict[int, clingo.Symbol] = {}
+        self._rules, self._names = _Rules(), {}  # type: _Rules, Dict[int, clingo.Symbol]
         self._control.register_observer(self._rules)
         return super()._load(extra)
 
     def _ground(self, parts: Parts, steps: range) -> None:
-        self._rules.heads, self._rules.others = set(), set()
         name = parts[0][0]
-        if name in ("base", "cumulative"):
-            self._blocks.append((steps, self._rules.heads, self._rules.others))
+        self._rules.blocks.append((name, steps, set(), set()))
         super()._ground(parts, steps)
         if name == "base":
-            self._name_atoms()  # now, as later steps can decide them
+            self._name_atoms()  # before later steps make some of them false, which clingo removes
 
     def _name_atoms(self) -> None:
         self._names.update((one.literal, one.symbol) for one in self._control.symbolic_atoms)
 
-    def blocks(self) -> List[Block]:
-        """Return base and the blocks, without the atoms of blocks that are false in all answers."""
+    def blocks(self, name: str) -> Iterator[_Block]:
+        """Yield the blocks of a program part; atoms of steps that clingo has removed are left out."""
         self._name_atoms()
-        names = self._names
-        return [
-            Block(steps, *(frozenset(names[one] for one in some & names.keys()) for some in (heads, heads | others)))
-            for steps, heads, others in self._blocks
-        ]
+        for part, steps, heads, others in self._rules.blocks:
+            if part == name:
+                yield steps, self._named(heads), self._named(heads | others)
+
+    def _named(self, literals: Set[int]) -> FrozenSet[clingo.Symbol]:
+        return frozenset(self._names[one] for one in literals & self._names.keys())
 
 
 def fixed_atoms(grounding: ObservedGrounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
     """Return the fixed atoms of the grounded steps before ``end``; the ``open_atoms`` count as not fixed."""
-    base, *later = grounding.blocks()
-    blocks = [one for one in later if one.steps[-1] < end]
-    fixed = _Values(base.atoms.union(*(one.atoms for one in blocks)) - open_atoms)
+    _, _, base = next(grounding.blocks("base"))
+    blocks = [one for one in grounding.blocks("cumulative") if one[0][-1] < end]
+    fixed = _Values(base.union(*(atoms for _, _, atoms in blocks)) - open_atoms)
     grounding.inspect(fixed)
     first, steps, defined = grounding.past.first, {}, set()  # type: int, Dict[clingo.Symbol, int], Set[clingo.Symbol]
-    for block in blocks:
-        if not fixed.values.keys() >= block.atoms:
+    for block, heads, atoms in blocks:
+        if not fixed.values.keys() >= atoms:
             break
-        first = block.steps[-1] + 1
-        defined |= block.heads
-        for atom in block.atoms:
-            steps.setdefault(atom, block.steps[0])
+        first = block[-1] + 1
+        defined |= heads
+        for atom in atoms:
+            steps.setdefault(atom, block[0])
     true = frozenset(atom for atom, value in fixed.values.items() if value)
-    return FixedAtoms(first, steps, frozenset(defined), base.atoms, true)
+    return FixedAtoms(first, steps, frozenset(defined), base, true)

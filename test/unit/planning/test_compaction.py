@@ -69,7 +69,7 @@ def test_compaction_gives_the_answers_of_forgetting(parts, data, margin):
         assert found.outcome is expected.outcome
         assert set(found.answers) == set(expected.answers), (parts.text(), str(update), begin)
         if found.outcome is SolveOutcome.SATISFIABLE:
-            assert compacting.horizon == forgetting.horizon
+            assert found.horizon == expected.horizon
         elif found.permanent or compacting.horizon != forgetting.horizon:
             return  # the forgetting solver can detect unsatisfiability before the bound
 
