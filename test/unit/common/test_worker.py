@@ -15,7 +15,7 @@ PATIENCE = 120.0  # seconds of wall time
 @pytest.fixture
 def make():
     """Make workers that end with the test."""
-    made = []
+    made, before = [], threading.enumerate()
 
     def one(*arguments, **settings):
         made.append(worker_module.Worker(*arguments, **settings))
@@ -24,7 +24,7 @@ def make():
     yield one
     for worker in made:
         worker.stop(PATIENCE)
-        assert not worker._thread.is_alive()
+    assert [one for one in threading.enumerate() if one.name == "worker" and one not in before] == []
 
 
 def test_worker_does_jobs_in_order_then_settles(make):

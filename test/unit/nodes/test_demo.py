@@ -1,7 +1,8 @@
 """Messages of the demonstration about a system that has ended by itself."""
 
-import subprocess
+import os
 from importlib import import_module
+from unittest.mock import patch
 
 import pytest
 
@@ -25,12 +26,14 @@ def demo(messages):
     ids=["fatal", "last", "short"],
 )
 def test_demo_shows_the_error_despite_later_output(demo, tmp_path, log, shown):
-    system = demo.DemoSystem("mailbot", tmp_path, [])
-    system.log.write_text("\n".join(log))
-    system._process = subprocess.Popen(["true"])
-    system._process.wait()
-    with pytest.raises(demo.DemoError) as caught:
-        system.check()
+    (tmp_path / "log").write_text("\n".join(log))
+    roslaunch = tmp_path / "roslaunch"
+    roslaunch.write_text(f"#!/bin/sh\ncat {tmp_path}/log\n")
+    roslaunch.chmod(0o755)
+    system = demo.DemoSystem("mailbot", tmp_path / "run", [])
+    path = f"{tmp_path}:{os.environ['PATH']}"
+    with patch.dict(os.environ, PATH=path), pytest.raises(demo.DemoError) as caught:  # also undoes the system's changes
+        system.__enter__()
     reported = str(caught.value)
     assert str(system.log) in reported
     assert all(words in reported for words in shown)

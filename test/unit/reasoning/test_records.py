@@ -132,6 +132,11 @@ class Rows(PersistentPart):
         self._step, self.words, self.plan = 1, ["a"], ("go",)
         self.items = {}
 
+    @property
+    def fields_now(self):
+        """Return the expected rows of the attributes."""
+        return {"rows:step": self._step, "rows:words": self.words, "rows:plan": list(self.plan)}
+
     def assign(self, key, value):
         self.items[key] = list(value)
 
@@ -167,9 +172,8 @@ def test_changes_yield_rows_in_order_and_only_new_values(steps):
             del rows[one]
         assert all(rows.get(key) != value for key, value in changes.get("set", {}).items())
         rows.update(changes.get("set", {}))
-        fields_now = {"rows:step": part._step, "rows:words": part.words, "rows:plan": list(part.plan)}
         items_now = {f"row:{key}": value for key, value in part.items.items()}
-        assert rows == text_of(part.record()) == {**fields_now, **items_now}
+        assert rows == text_of(part.record()) == {**part.fields_now, **items_now}
         assert [key for key in rows if key in items_now] == [*items_now]
         assert recorder.changes([part]) == {}
     reader = Rows()

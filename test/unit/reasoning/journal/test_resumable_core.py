@@ -18,12 +18,11 @@ SETTINGS = CoreSettings(horizon_limit=12, search_timeout=0.0, action_timeout=30.
 
 
 class Play:
-    """A core and its input; at some steps it is rebuilt from its record or with a new solver."""
+    """A core and its input; after the steps in ``cuts`` it is rebuilt from its record."""
 
-    def __init__(self, program, solver, settings, restores):
+    def __init__(self, program, solver, settings, cuts=()):
         self.program, self._make, self._settings = program, lambda: solver(program), settings
-        self._restores, self._disk = restores, ""  # a state as text
-        self.events, self.now, self._cuts, self._steps = [], 1.0, frozenset(), 0
+        self.events, self.now, self._cuts, self._steps = [], 1.0, cuts, 0
         self._believed = None
         self.core = self._new()
 
@@ -38,9 +37,8 @@ class Play:
             self._believed = event.atoms
         self.events.append(event)
 
-    def play(self, script, cuts):
-        """Play a script with cuts after the given steps; return all messages."""
-        self._cuts = cuts
+    def play(self, script):
+        """Play a script; return all messages."""
         self.core.start()
         self._step()
         for happened in script:
@@ -60,14 +58,9 @@ class Play:
     def _step(self):
         """Mark the end of a step, at which the core can be killed."""
         self._steps += 1
-        if self._restores:
-            self._disk = json.dumps(self.core.state())
         if self._steps in self._cuts:
-            if self._restores:
-                self.core = self._new(json.loads(self._disk))
-                self.core.start()
-            else:
-                self.core._planner = self.core._planner.with_log(self.core._planner.log)
+            self.core = self._new(json.loads(json.dumps(self.core.state())))
+            self.core.start()
 
     def answer(self, which, value):
         """Return an action with success (None) or a value."""
@@ -117,7 +110,7 @@ ERRAND = st.builds("do({},{})".format, st.sampled_from(["walk", "run", "quick", 
 
 def compare(program, solver, script, cuts):
     """Play the script with and without rebuilding the core from its record, and compare."""
-    plays = [Play(program, solver, SETTINGS, restores).play(script, cuts) for restores in (False, True)]
+    plays = [Play(program, solver, SETTINGS, where).play(script) for where in ((), cuts)]
     assert plays[0] == plays[1]
 
 
