@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional
 
-from figures import Option
+from figures import Option, processor_time
 from planning_domains import Task, check
 
 from rosoclingo.nodes.core.loading import CoreParameters
@@ -87,9 +87,9 @@ class PooledCore:
     def await_standby(self, seconds):
         """Wait until the standby worker has its answer or has used some ``seconds`` of processor time."""
         if self.process.is_prefetching:
-            clock = (~self.process.standby_pid << 3) | 2  # as clock_getcpuclockid(3) on Linux
-            begin = time.clock_gettime(clock)
-            while self.process.is_prefetching and time.clock_gettime(clock) - begin < seconds:
+            pid = self.process.standby_pid
+            begin = processor_time(pid)
+            while self.process.is_prefetching and processor_time(pid) - begin < seconds:
                 time.sleep(0.01)
 
     def note(self, event):

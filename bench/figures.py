@@ -1,7 +1,8 @@
 """Figures of benches, and the command line of a bench.
 
 Each bench calls `main` with a function that yields its figures. Its command line has the options ``--short`` and
-``--json FILE``. The file has one JSON object a line, with the fields of `Figure`.
+``--json FILE``. The file has one JSON object a line, with the fields of `Figure`. Benches can import the modules of
+test/unit as well.
 """
 
 import argparse
@@ -10,8 +11,11 @@ import os
 import resource
 import statistics
 import sys
+import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "test" / "unit"))
 
 
 class Figure(NamedTuple):
@@ -91,6 +95,11 @@ def quantiles(name: str, values: Sequence[float], unit: str) -> Iterator[Figure]
     ordered = sorted(values)
     yield Figure(f"{name}, median", statistics.median(ordered), unit)
     yield Figure(f"{name}, 99 %", ordered[int(0.99 * (len(ordered) - 1))], unit)
+
+
+def processor_time(pid: int) -> float:
+    """Return the processor time (s) of a running process."""
+    return time.clock_gettime((~pid << 3) | 2)  # as clock_getcpuclockid(3) on Linux
 
 
 def children_time() -> float:

@@ -11,25 +11,30 @@ Run it in the built workspace: ./dev exec python3 bench/response.py
 """
 
 import asyncio
+import multiprocessing
 import os
 import queue
 import random
-import subprocess
 import tempfile
 import time
 
 import actionlib
 import rosgraph
 import rospy
-from figures import Figure, Option, main, quantiles
-from ros_system import PATIENCE, System, wait_for
+from figures import Figure, Option, main, processor_time, quantiles
+from ros_system import System
 from rosoclingo.msg import InterfaceIO, ROSoClingoAction, ROSoClingoGoal
 from std_msgs.msg import String
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
+from waiting import PATIENCE, wait_until
 
 from rosoclingo.oclingo import parse_atom
 from rosoclingo.reasoning.keywords import CORE
+
+VIEWERS = 10
+SPACES = {"alone": "", "journal": " with a journal", "page": f" with a page and {VIEWERS} viewers"}
+"""The namespaces of the cores, with words for their figures."""
 
 
 class Responder:
@@ -53,8 +58,8 @@ class Responder:
 
     def batch(self, count):
         """Send ``count`` goals at once and return actions until the goals have ended."""
-        wait_for(lambda: self._client.wait_for_server(rospy.Duration(1)), "the core")
-        wait_for(self._out.get_num_connections, "the subscriber of returns")
+        wait_until(lambda: self._client.wait_for_server(rospy.Duration(1)), "the core")
+        wait_until(self._out.get_num_connections, "the subscriber of returns")
         goals, answered = [], None
         for _ in range(count):
             self._goals += 1
@@ -74,80 +79,68 @@ class Responder:
                 self._out.publish(InterfaceIO(message.interface, [f"_return({action},{value},{cycle})"]))
 
 
-def processor_time(node):
+def time_of(node):
     """Return the seconds of processor time of a node's process."""
     master = rosgraph.Master(rospy.get_name())
-    pid = rosgraph.Master(rospy.get_name(), master.lookupNode(node)).getPid()
-    with open(f"/proc/{pid}/stat") as file:
-        return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+    return processor_time(rosgraph.Master(rospy.get_name(), master.lookupNode(node)).getPid())
 
 
-def compare(spaces, batches, count, seconds=0.0):
-    """Run the cores of some namespaces in turns; yield their figures, named by the words of each namespace.
-
-    A first batch of each, which loads libraries, is not measured.
-    """
-    responders = {space: Responder(space, seconds) for space in spaces}
+def compare(batches, count, seconds):
+    """Run the cores in turns; yield their figures. A first batch of each, which loads libraries, is not measured."""
+    responders = {space: Responder(space, seconds) for space in SPACES}
     for responder in responders.values():
         responder.batch(count)
         responder.responses.clear()
-    before = {space: processor_time(f"/{space}/rosoclingo") for space in spaces}
+    before = {space: time_of(f"/{space}/rosoclingo") for space in SPACES}
     for _ in range(batches):
         for responder in responders.values():
             responder.batch(count)
-    for space, words in spaces.items():
+    for space, words in SPACES.items():
         responses = [1000 * one for one in responders[space].responses]
-        spent = 1000 * (processor_time(f"/{space}/rosoclingo") - before[space])
+        spent = 1000 * (time_of(f"/{space}/rosoclingo") - before[space])
         yield from quantiles(f"response{words}", responses, "ms")
         yield Figure(f"a cycle of the core{words}", spent / len(responses), "ms of processor")
 
 
-def view(address, count):
-    """Act as ``count`` viewers of a page; print a line as soon as each of them has received the run."""
+def view_all(addresses, ready):
+    """Act as all viewers of the page whose address comes; ``ready`` counts those that have received the run."""
+
+    async def run(address):
+        await asyncio.gather(*(view(address, ready) for _ in range(VIEWERS)))
+
     os.nice(19)
-    asyncio.run(_view(address, count))
+    asyncio.run(run(addresses.get()))
 
 
-async def _view(address, count):
-    url, headers = address.replace("http:", "ws:") + "run", {"Origin": address.rstrip("/")}
-    sockets = [await websocket_connect(HTTPRequest(url, headers=headers), compression_options={}) for _ in range(count)]
-    for socket in sockets:
-        await socket.read_message()
-    print("all viewers have the run", flush=True)
-
-    async def read(socket):
-        while await socket.read_message() is not None:
-            pass
-
-    await asyncio.gather(*map(read, sockets))
+async def view(address, ready):
+    """Act as a viewer of a page."""
+    request = HTTPRequest(address.replace("http:", "ws:") + "run", headers={"Origin": address.rstrip("/")})
+    socket = await websocket_connect(request, compression_options={})
+    await socket.read_message()
+    ready.release()
+    while await socket.read_message() is not None:
+        pass
 
 
 def measure(options):
-    """Yield the figures of a core alone, of one with a journal, and of one with a page unless there are no viewers."""
+    """Yield the figures of all cores, and the processor time of the page's node."""
+    context = multiprocessing.get_context("fork")  # while this process has one thread
+    addresses, ready = context.SimpleQueue(), context.Semaphore(0)
+    context.Process(target=view_all, args=(addresses, ready), daemon=True).start()
     programs = [f"programs:={list(map(os.path.abspath, options.programs))}"] if options.programs else []
-    spaces = {"alone": "", "journal": " with a journal"}
-    if options.viewers:
-        spaces["page"] = f" with a page and {options.viewers} viewers"
     with tempfile.TemporaryDirectory() as folder, System() as system:
-        for space in spaces:
+        for space in SPACES:
             journal = folder if space == "journal" else "none"
             system.launch("core.launch", f"journal:={journal}", *programs, namespace=space)
+        system.start("rosrun", "rosoclingo", "web", "_port:=0", "__name:=web", namespace="page")
         rospy.init_node("bench_response", disable_signals=True)
-        figures = compare(spaces, options.batches, options.requests, options.seconds)
-        yield from watched(system, figures, options) if options.viewers else figures
-
-
-def watched(system, figures, options):
-    """Yield figures while viewers watch a page, and the processor time of the page's node."""
-    system.start("rosrun", "rosoclingo", "web", "_port:=0", "__name:=web", namespace="page")
-    address = rospy.wait_for_message("/page/web/address", String, PATIENCE).data
-    viewers = system.call("response", f"view({address!r}, {options.viewers})", stdout=subprocess.PIPE)
-    if not viewers.stdout.readline():
-        raise SystemExit("the viewers have not received the run")
-    before, goals = processor_time("/page/web"), (options.batches + 1) * options.requests
-    yield from figures
-    spent = 1000 * (processor_time("/page/web") - before)
-    yield Figure("the page's node, a goal", spent / goals, "ms of processor")
+        addresses.put(rospy.wait_for_message("/page/web/address", String, PATIENCE).data)
+        for _ in range(VIEWERS):
+            wait_until(lambda: ready.acquire(timeout=1.0), "a viewer to receive the run")
+        before, goals = time_of("/page/web"), (options.batches + 1) * options.requests
+        yield from compare(options.batches, options.requests, options.seconds)
+        spent = 1000 * (time_of("/page/web") - before)
+        yield Figure("the page's node, a goal", spent / goals, "ms of processor")
 
 
 if __name__ == "__main__":
@@ -158,5 +151,4 @@ if __name__ == "__main__":
         requests=Option(3, "requests in a batch"),
         programs=Option([], "files of another program than the mailbot's"),
         seconds=Option(0.0, "duration of an action"),
-        viewers=Option(10, "number of the page's viewers; 0: no page"),
     )

@@ -4,13 +4,9 @@ import os
 import signal
 import socket
 import subprocess
-import sys
-import time
-from pathlib import Path
 
 import rosgraph
-
-PATIENCE = 60.0  # s of wall time for a node to appear
+from waiting import wait_until
 
 
 class System:
@@ -24,7 +20,7 @@ class System:
         os.environ.pop("ROS_HOSTNAME", None)
         self.processes = []
         self.start("roscore", "-p", port)
-        wait_for(rosgraph.is_master_online, "the master")
+        wait_until(rosgraph.is_master_online, "the master")
         rosgraph.Master("bench").setParam("/use_sim_time", simulated)  # before a process reads the time
 
     def __enter__(self):
@@ -36,27 +32,11 @@ class System:
         for process in self.processes:
             process.wait(timeout=30)
 
-    def start(self, *command, namespace="/", **options):
-        """Start a process in a namespace; return it."""
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, **options}
+    def start(self, *command, namespace="/"):
+        """Start a process in a namespace."""
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self.processes.append(subprocess.Popen(command, env={**os.environ, "ROS_NAMESPACE": namespace}, **quiet))
-        return self.processes[-1]
 
     def launch(self, name, *arguments, namespace="/"):
         """Start a launch file of this package."""
-        return self.start("roslaunch", "--wait", "rosoclingo", name, *arguments, namespace=namespace)
-
-    def call(self, module, call, **options):
-        """Start a process that calls a function of a bench; return it."""
-        folder = str(Path(__file__).resolve().parent)
-        code = f"import sys; sys.path.insert(0, {folder!r}); import {module}; {module}.{call}"
-        return self.start(sys.executable, "-c", code, **options)
-
-
-def wait_for(condition, what):
-    """Wait until ``condition`` returns true; exit if it does not."""
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > deadline:
-            sys.exit(f"{what} did not appear within {PATIENCE:g} s")
-        time.sleep(0.05)
+        self.start("roslaunch", "--wait", "rosoclingo", name, *arguments, namespace=namespace)

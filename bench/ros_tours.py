@@ -25,9 +25,10 @@ from geometry_msgs.msg import Twist
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from PIL import Image
-from ros_system import System, wait_for
+from ros_system import System
 from std_msgs.msg import String
 from tours import BODIES, Tour, Variant, drive_all, office_floor
+from waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 300.0  # s of wall time, the limit of a goal
@@ -47,7 +48,7 @@ class NodesTour(Tour):
         rospy.init_node("tours")
         self.watch = StageWatch() if options.sim == "stage" else SimulatorWatch()
         self.client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-        wait_for(lambda: self.client.wait_for_server(rospy.Duration(20.0)), "move_base")
+        wait_until(lambda: self.client.wait_for_server(rospy.Duration(20.0)), "move_base")
 
     def write_map(self, folder):
         """Write the map as map_server reads it."""

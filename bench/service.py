@@ -7,7 +7,6 @@ start is the processor time of all processes of the command until it has answere
     ./dev exec python3 bench/service.py
 """
 
-import socket
 import statistics
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import time
 from pathlib import Path
 
 from figures import Figure, Option, children_time, main
+from service_helpers import Client
 
 from rosoclingo.oclingo import ReactiveProgram, ReactiveSolver, parse_update
 
@@ -25,25 +25,6 @@ WIDE = "#base.\nroom(1..300).\n#cumulative t.\n#external e(t).\nat(X,t) :- e(t),
 #: A program in the language of gringo 3, which has to be translated.
 OLD = "#base.\nroom(1..3).\n#cumulative t.\n#external e(X,t) : room(X) : X != 2.\n#volatile t.\n:- t < 0.\n"
 SCRIPT = str(Path(__file__).parents[1] / "scripts" / "oclingo")
-
-
-class Client:
-    """A minimal client of oClingo's protocol."""
-
-    def __init__(self, port):
-        self._connection, self._data = socket.create_connection(("127.0.0.1", port)), b""
-        self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._reply()
-
-    def _reply(self):
-        while b"End of Step.\n\0" not in self._data:
-            self._data += self._connection.recv(1 << 16)
-        self._data = self._data.split(b"End of Step.\n\0", 1)[1]
-
-    def update(self, text):
-        """Send an update and read the answers."""
-        self._connection.sendall(text.encode() + b"\0")
-        self._reply()
 
 
 def compare(program, count):
@@ -61,7 +42,9 @@ def compare(program, count):
                     start = time.perf_counter()
                     solver.update(parse_update(text))
                     middle = time.perf_counter()
-                    client.update(text)
+                    client.send(text)
+                    while "End of Step." not in client.item():
+                        pass
                     library.append(1000 * (middle - start))
                     service.append(1000 * (time.perf_counter() - middle))
             finally:

@@ -5,7 +5,7 @@ from typing import List, NamedTuple
 import numpy as np
 from navigation_worlds import room
 
-from rosoclingo.robot.navigation import OccupancyGrid
+from rosoclingo.robot.navigation import Costmap, OccupancyGrid
 from rosoclingo.robot.simulation import DoorSpec
 
 
@@ -73,12 +73,7 @@ def gaps(free: np.ndarray, widest: int = 15):
 def rough(floor: Floor, random) -> Floor:
     """Return the floor like a map made by a robot: with ragged walls, speckles and unknown patches."""
     cells = floor.grid.cells.copy()
-    near = np.zeros(cells.shape, dtype=bool)
-    wall = cells == 100
-    near[1:] |= wall[:-1]
-    near[:-1] |= wall[1:]
-    near[:, 1:] |= wall[:, :-1]
-    near[:, :-1] |= wall[:, 1:]
+    near = Costmap(floor.grid).clearance == 0.5  # cells; of the direct neighbours of walls
     area = floor.grid.resolution**2
     cells[near & (random.random(cells.shape) < 0.06)] = 100
     cells[(random.random(cells.shape) < 0.08 * area) & (cells == 0)] = 100

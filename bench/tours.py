@@ -17,18 +17,11 @@ With the nodes, or with Stage and move_base: bench/ros_tours.py
 """
 
 import math
-import sys
 import time
-from pathlib import Path
 from typing import Callable, Iterable, Iterator, NamedTuple, Tuple
 
 import numpy as np
 from figures import Figure, Option, main
-
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "src"), str(ROOT / "test" / "unit")]
-# ruff: noqa: E402
-
 from navigation_worlds import ERRATIC, LONG, Drive
 from tour_floors import Floor, office_floor, rough, small_floor
 
@@ -41,8 +34,9 @@ from rosoclingo.robot.navigation import (
     PlanOutcome,
     Pose2D,
 )
+from rosoclingo.robot.navigation.compiled.outlines import crosses, segment_distance
 from rosoclingo.robot.navigation.local_planner import inscribed_radius
-from rosoclingo.robot.simulation import LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
+from rosoclingo.robot.simulation import DoorSpec, LaserSpec, ObstacleSpec, RobotSpec, Simulation, WorldError, WorldSpec
 
 SPARE, LACK = 0.08, -0.03  # m: growth of obstacles with which a path must be found, and with which it can be found
 LIMIT = 3000.0  # simulated s, time limit of a goal
@@ -81,20 +75,9 @@ def varied(kind: str, random) -> Variant:
     )
 
 
-def gap_to(door, pose: Pose2D) -> float:
-    """Return the distance (m) from a pose to a door."""
-    a, b, p = np.array(door.start), np.array(door.end), np.array(pose[:2])
-    part = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
-    return float(np.hypot(*(a + part * (b - a) - p)))
-
-
-def crosses(points: np.ndarray, door) -> bool:
+def leads_through(points: np.ndarray, door: DoorSpec) -> bool:
     """Return whether the path along ``points`` leads through a door."""
-    a, b = np.array(door.start), np.array(door.end)
-    across = np.array([a[1] - b[1], b[0] - a[0]])
-    side, along = (points - a) @ across, (points - a) @ (b - a) / ((b - a) @ (b - a))
-    between = 0.5 * (along[:-1] + along[1:])
-    return bool(np.any((side[:-1] * side[1:] < 0.0) & (between > 0.0) & (between < 1.0)))
+    return any(crosses(*a, *b, *door.start, *door.end) for a, b in zip(points, points[1:]))
 
 
 class Tour:
@@ -184,14 +167,14 @@ class Tour:
         world, random, robot, since = self.world, self.random, self.drive.robot, self.time
         duration = random.uniform(5.0, 60.0) if random.random() < 0.4 else math.inf
         distance = random.uniform(0.8, 6.0)
-        doors = [door for door in world.doors.values() if door.open and crosses(points, door)]
-        door = doors[random.integers(len(doors))].name if doors and random.random() < 0.6 else None
+        doors = [door for door in world.doors.values() if door.open and leads_through(points, door)]
+        door = doors[random.integers(len(doors))] if doors and random.random() < 0.6 else None
         wait = random.uniform(2.0, 20.0)
         if door:
-            while not 0.5 < gap_to(world.doors[door], robot.pose) - self.variant.reach < distance:
+            while not 0.5 < segment_distance(*robot.pose[:2], *door.start, *door.end) - self.variant.reach < distance:
                 yield
-            yield from self.change(f"{door} {distance:.1f} m ahead", lambda: world.set_door(door, False))
-            undo = lambda: world.set_door(door, True)  # noqa: E731
+            yield from self.change(f"{door.name} {distance:.1f} m ahead", lambda: world.set_door(door.name, False))
+            undo = lambda: world.set_door(door.name, True)  # noqa: E731
         else:
             while self.time - since <= wait or robot.v <= 0.3:
                 yield
