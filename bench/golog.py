@@ -7,8 +7,8 @@ two kinds of programs:
   control  a control program that moves blocks to their final places as soon as these are ready, in the order of their
            names. It moves a block to the table only if no final place is ready. At least one shortest plan remains.
 
-All plans are shortest plans and are checked. With other names for the same blocks, clasp takes half or twice the time.
-So each task is solved with several sets of names, and the figures are medians.
+All plans are shortest plans, so both kinds need equally many moves. With other names for the same blocks, clasp takes
+half or twice the time. So each task is solved with several sets of names, and the figures are medians.
 
 Run it in the built workspace: ./dev exec python3 bench/golog.py --blocks 18
 """
@@ -99,7 +99,7 @@ def program_of(kind, first, last):
 
 
 def plan_of(kind, program, limit):
-    """Return the moves of the plan, None after ``limit`` seconds, and the processor time of the search in seconds."""
+    """Return the number of moves, None after ``limit`` seconds, and the processor time of the search in seconds."""
     solver = PlanSolver(program)
     solver.solve()
     update = parse_update(f"#step 1 : 100. _request({KINDS[kind]},2). #endstep.")
@@ -108,18 +108,7 @@ def plan_of(kind, program, limit):
     seconds = time.process_time() - begin
     if result.outcome is not SolveOutcome.SATISFIABLE:
         return None, seconds
-    moves = {one.arguments[2].number: one.arguments[:2] for one in result.answers[0] if one.name == "_action_lib"}
-    return [tuple(map(str, moves[step])) for step in sorted(moves)], seconds
-
-
-def check(moves, first, last):
-    """Play the moves; raises AssertionError if a move is impossible or the towers are not as in ``last`` at the end."""
-    below = {str(one): str(under) for one, under in first.items()}
-    for block, under in moves:
-        assert block not in below.values(), f"{block} is not free"
-        assert under == "table" or under not in below.values(), f"{under} is not free"
-        below[block] = under
-    assert below == {str(one): str(under) for one, under in last.items()}, "the plan does not lead to the goal"
+    return sum(one.name == "_action_lib" for one in result.answers[0]), seconds
 
 
 def measure(options):
@@ -129,13 +118,15 @@ def measure(options):
         given = [towers(range(1, options.blocks + 1), dice) for _ in range(2)]
         for number in range(options.names):
             first, last = renamed(*given, random.Random(number)) if number else given
+            lengths = set()
             for kind in KINDS:
                 moves, seconds = plan_of(kind, program_of(kind, first, last), options.limit)
                 times[kind].append(seconds)
-                if moves is not None:
-                    check(moves, first, last)
-                length = "no plan in time" if moves is None else f"{len(moves)} moves"
+                lengths |= {moves} - {None}
+                length = "no plan in time" if moves is None else f"{moves} moves"
                 print(f"task {task}: {kind:8} {seconds:8.2f} s, {length}", flush=True)
+            if len(lengths) > 1:
+                raise SystemExit("the plans have different lengths")
     for kind in KINDS:
         yield Figure(f"{kind}, {options.blocks} blocks", statistics.median(times[kind]), "s")
 
