@@ -80,6 +80,7 @@ def test_recovery_follows_the_script(row):
     assert not any("forgets its history" in problem for problem in driver.problems)
 
 
+@pytest.mark.slow
 def test_recovery_decides_about_goals_with_all_other_facts_certain():
     """Observations of long ago become uncertain only for the reasons, after the plan: all later steps do as well."""
     asked = []
