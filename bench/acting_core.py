@@ -3,7 +3,6 @@
 import time
 from collections import deque
 from contextlib import suppress
-from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional
 
 from figures import Option, processor_time
@@ -17,8 +16,6 @@ from rosoclingo.reasoning.events import ActionsDispatched, GoalChanged
 from rosoclingo.reasoning.goals import Outcome
 from rosoclingo.reasoning.settings import JOINING, CoreSettings
 from rosoclingo.reasoning.stream_planner import Halt, unwatched
-
-ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
 MOST_IDLE = 600
 """Limit of seconds without an action: the core defers updates that its solver could not accept."""

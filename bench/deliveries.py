@@ -14,7 +14,7 @@ from rosoclingo.oclingo.program.sources import Source
 CAPACITY = 3
 """Number of packages that the robot can carry."""
 
-MAILBOT = FOLDER.parents[1] / "encodings" / "mailbot.lp"
+ENCODINGS = FOLDER.parents[1] / "encodings"
 
 Corridor = Tuple[int, int]
 
@@ -39,13 +39,16 @@ class Floor(NamedTuple):
     offices: int
     corridors: FrozenSet[Corridor]
 
+    def source(self, *facts: str) -> Source:
+        """Return the facts of this floor, and further ones."""
+        offices = [f"office(office{number})." for number in range(1, self.offices + 1)]
+        corridors = [f"corridor(office{a},office{b})." for a, b in sorted(self.corridors)]
+        return Source(self.name, "\n".join(["#program base.", *offices, *corridors, *facts, ""]))
+
     @property
     def sources(self) -> List[Source]:
         """The mailbot's program on this floor."""
-        facts = [f"office(office{number})." for number in range(1, self.offices + 1)]
-        facts += [f"corridor(office{a},office{b})." for a, b in sorted(self.corridors)]
-        text = "\n".join(["#program base.", "start(office1).", *facts, ""])
-        return [Source.from_file(MAILBOT), Source(self.name, text)]
+        return [Source.from_file(ENCODINGS / "mailbot.lp"), self.source("start(office1).")]
 
     @property
     def program(self) -> ReactiveProgram:

@@ -3,7 +3,7 @@
 
 The core runs without ROS, with encodings/fleet.lp and its solver in worker processes. A world in plain Python executes
 the actions. It draws the duration of each around its mean, the same for the same seed, and refuses actions that break a
-rule: robots hold both ends of the connection that they drive on. Each place has room for --room robots.
+rule: robots hold both ends of the connection that they drive on. Each place has room for two robots.
 
 The routing solver of OR-Tools gets the same requests, the mean durations, and 5 s. It minimizes the makespan and
 ignores collisions.
@@ -24,15 +24,16 @@ import heapq
 from itertools import product
 
 import peers
-from acting_core import ENCODINGS, PooledCore
+from acting_core import PooledCore
 from deliveries import floor_named, random_requests
 from figures import Option, main, row_figures
-from fleet_world import DRIVE, HANDLE, FleetWorld
+from fleet_world import DRIVE, HANDLE, FleetWorld, fleet_program
 
 from rosoclingo.oclingo import ReactiveProgram
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.reasoning.events import ActionsDispatched
 
+ROOM = 2  # number of robots for which a place has room
 GAP = 15.0  # seconds between two requests of a stream
 PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first action, as in fleet.launch
 SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
@@ -49,17 +50,8 @@ def starts(floor, robots):
     return {f"r{number + 1}": 1 + (2 * number + 1) * floor.offices // (2 * robots) for number in range(robots)}
 
 
-def fleet_program(floor, robots, room=1, paper=False):
-    """Return the program of a fleet on a floor; in the ``paper``'s cycle, an action ends with all others."""
-    offices = range(1, floor.offices + 1)
-    facts = [f"office(office{one}). room(office{one},{room})." for one in offices]
-    facts += [f"corridor(office{a},office{b})." for a, b in sorted(floor.corridors)]
-    facts += [f"start({robot},office{office})." for robot, office in starts(floor, robots).items()]
-    program = ReactiveProgram(
-        [Source.from_file(ENCODINGS / "fleet.lp"), Source("floor", "\n".join(["#program base.", *facts, ""]))]
-    )
-    if not paper:
-        return program
+def in_papers_cycle(program):
+    """Return the program of a fleet in which an action ends with all others, as in the paper."""
     texts = [Source(one.name, one.text.replace(RUNNING, "#defined _running/3.\n")) for one in program.texts]
     return ReactiveProgram(texts, whole=True)
 
@@ -142,24 +134,25 @@ def routed(floor, robots, requests):
     return max(ends)
 
 
-def drive(floor, robots, requests, gap, options, paper=False):
+def drive(program, world, requests, gap):
     """Serve the requests; return figures of the run."""
-    world = FleetWorld(floor, starts(floor, robots), options.room, options.seed)
     batches = [(gap * number, [one]) for number, one in enumerate(requests)] if gap else [(0.0, requests)]
-    with FleetCore(fleet_program(floor, robots, options.room, paper), world) as core:
+    with FleetCore(program, world) as core:
         begin = core.used
         core.play(batches)
         return {"first [s]": core.first - begin, "makespan": core.now, "drive": world.driven, "idle": core.idle}
 
 
-def measure_row(name, robots, count, how, options):
+def measure_row(name, robots, count, how, seed):
     """Return the figures of a row."""
     floor = floor_named(name)
-    requests = random_requests(floor, count, options.seed)
-    gap = GAP if how == "stream" else 0.0
-    cells = drive(floor, robots, requests, gap, options)
-    cells["paper"] = drive(floor, robots, requests, gap, options, paper=True)["makespan"]
-    if how == "once" and peers.folder_of(peers.OR_TOOLS):
+    requests, places, gap = random_requests(floor, count, seed), starts(floor, robots), GAP if how == "stream" else 0.0
+    program = fleet_program(floor, places, ROOM)
+    cells, paper = (
+        drive(one, FleetWorld(floor, places, ROOM, seed), requests, gap) for one in (program, in_papers_cycle(program))
+    )
+    cells["paper"] = paper["makespan"]
+    if not gap and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
     return cells
 
@@ -167,7 +160,7 @@ def measure_row(name, robots, count, how, options):
 def measure(options):
     """Yield the figures of all rows."""
     for row in product(options.floors, options.robots, options.requests, options.how):
-        yield from row_figures("{}/{}/{} {}".format(*row), measure_row(*row, options), UNITS)
+        yield from row_figures("{}/{}/{} {}".format(*row), measure_row(*row, options.seed), UNITS)
 
 
 if __name__ == "__main__":
@@ -179,5 +172,4 @@ if __name__ == "__main__":
         requests=Option([20, 50], "numbers of requests", [20]),
         how=Option(["once", "stream"], "arrival of requests", ["once"], ["once", "stream"]),
         seed=Option(1, "seed of requests and durations"),
-        room=Option(2, "number of robots for which a place has room"),
     )

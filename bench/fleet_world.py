@@ -1,17 +1,27 @@
 """A fleet in plain Python: the floor, robots and packages, and the rules of the fleet, independent of the encodings.
 
-A `FleetWorld` executes actions, which can overlap, and refuses an action that breaks a rule, so it checks any plans. No
-solver, no ROS.
+A `FleetWorld` executes actions, which can overlap, and refuses an action that breaks a rule, so it checks any plans.
 """
 
 import random
 from typing import Dict, Iterable, Set, Tuple
 
-from deliveries import CAPACITY, Floor, Request
+from deliveries import CAPACITY, ENCODINGS, Floor, Request
 from planning_domains import RuleError
+
+from rosoclingo.oclingo import ReactiveProgram
+from rosoclingo.oclingo.program.sources import Source
 
 DRIVE, HANDLE = 8.0, 3.0
 """Mean durations in seconds of a drive to a neighbouring office, and of picking up or putting down a package."""
+
+
+def fleet_program(floor: Floor, starts: Dict[str, int], room: int = 1, **constants: int) -> ReactiveProgram:
+    """Return the program of robots that start at these offices; each office has room for ``room`` of them."""
+    facts = [f"room(office{office},{room})." for office in range(1, floor.offices + 1)]
+    facts += [f"start({robot},office{office})." for robot, office in starts.items()]
+    sources = [Source.from_file(ENCODINGS / "fleet.lp"), floor.source(*facts)]
+    return ReactiveProgram(sources, {name: str(value) for name, value in constants.items()})
 
 
 class FleetWorld:

@@ -16,16 +16,14 @@ Run it in the built workspace: ./dev exec python3 bench/golog.py --blocks 18
 import random
 import statistics
 import time
-from pathlib import Path
 
+from deliveries import ENCODINGS
 from figures import Figure, Option, main
 from planning_domains.tasks import towers
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome, parse_update
 from rosoclingo.oclingo.program.sources import Source
 from rosoclingo.planning.solver import PlanSolver
-
-ENCODINGS = Path(__file__).resolve().parents[1] / "encodings"
 
 DOMAIN = """
 #program base.

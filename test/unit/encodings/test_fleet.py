@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 from core_driver import Driver, shortest, soon
-from deliveries import Floor, Request
-from fleet_world import FleetWorld
+from deliveries import Floor, Request, row
+from fleet_world import FleetWorld, fleet_program
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from planning_domains import RuleError
@@ -25,16 +25,9 @@ RUNS = settings(max_examples=max(1, settings.default.max_examples // 5))
 RING = ((1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1))
 
 
-def program(corridors, starts, **constants):
-    """Return the fleet's program on a floor."""
-    offices = sorted({one for pair in corridors for one in pair})
-    facts = [f"office(office{one}). room(office{one},1)." for one in offices]
-    facts += [f"corridor(office{a},office{b})." for a, b in corridors]
-    facts += [f"start({robot},office{office})." for robot, office in starts.items()]
-    floor = Source("floor", "#program base.\n" + "\n".join(facts) + "\n")
-    return ReactiveProgram(
-        [Source.from_file(ENCODINGS / "fleet.lp"), floor], {key: str(one) for key, one in constants.items()}
-    )
+def floor_of(corridors):
+    """Return the floor with these corridors."""
+    return Floor("test", max(max(pair) for pair in corridors), frozenset(corridors))
 
 
 class Fleet(Driver):
@@ -46,10 +39,11 @@ class Fleet(Driver):
     """
 
     def __init__(self, corridors, starts, solver=soon, **constants):
-        floor = Floor("test", max(max(pair) for pair in corridors), frozenset(corridors))
+        floor = floor_of(corridors)
         used = dict(sorted(starts.items())[: constants.get("robots")])
         self.world, self.under_way, self._seen = FleetWorld(floor, used, 1), {}, 0
-        super().__init__(program=program(corridors, starts, **constants), solver=solver, settings=CoreSettings())
+        program = fleet_program(floor, starts, **constants)
+        super().__init__(program=program, solver=solver, settings=CoreSettings())
 
     def run(self):
         """Advance, and begin the actions that the core has sent."""
@@ -206,7 +200,7 @@ def _steps(atoms, name):
 @pytest.mark.slow
 def test_fleet_expects_drives_to_end_after_the_next_steps():
     """Robots can be between two places only in the steps in which actions can go on, so later steps are smaller."""
-    solver = soon(program([(one, one + 1) for one in range(1, 9)], {"r1": 1, "r2": 4}))
+    solver = soon(fleet_program(row(9), {"r1": 1, "r2": 4}))
     update = parse_update("#step 1 : 40. _request(goal(office9,office1,1),2). #endstep.")
     solver.inquire(update, frozenset(), frozenset())
     driving, placed = (max(_steps(solver.probed_atoms(), name)) for name in ("_toward", "at"))
