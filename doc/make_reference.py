@@ -216,9 +216,7 @@ def command_lines(script: str) -> Iterator[str]:
     """The part of the page about a command."""
     text = (ROOT / "scripts" / script).read_text(encoding="utf-8")
     own = describe(ast.get_docstring(ast.parse(text)) or "")
-    yield from ("", f"### {script}", "", own.words)
-    if "argparse" in text or script in ("check", "golog", "gringo3to5", "oclingo", "replay", "watch"):
-        yield from ("", "**Arguments**", "", *argument_lines(script))
+    yield from ("", f"### {script}", "", own.words, "", "**Arguments**", "", *argument_lines(script))
     yield from section_lines([own, *descriptions(COMMANDS[script])])
 
 

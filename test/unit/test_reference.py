@@ -74,6 +74,12 @@ def test_reference_page_has_every_script():
     assert sorted(scripts) == sorted(path.name for path in (ROOT / "scripts").iterdir() if path.is_file())
 
 
+@pytest.mark.parametrize("script", MAKER["COMMANDS"])
+def test_reference_page_has_arguments_of_every_command(script):
+    part = MAKER["PAGE"].read_text(encoding="utf-8").partition(f"\n### {script}\n")[2].partition("\n### ")[0]
+    assert "\n**Arguments**\n\n- `" in part
+
+
 @pytest.mark.parametrize("script", sorted(NODES))
 def test_reference_script_starts_node_of_its_docstring(script):
     file, name = NODES[script].places[0]

@@ -1,10 +1,13 @@
 """The markers node redraws labels, packages and plan at each change."""
 
+import signal
 import unittest
+from pathlib import Path
 
 import rospy
 from documented_names import check_names
-from interface_helpers import refuses, wait_until
+from interface_helpers import Process, executable, refuses, wait_until
+from nav_msgs.msg import OccupancyGrid
 from rosoclingo.msg import GoalState, GoalStates, PackageState, PackageStates, State, TaskPlan
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
@@ -61,6 +64,16 @@ class Markers(unittest.TestCase):
         )
         self.plan.publish(cycle=3, actions=[])
         wait_until(lambda: self.texts.get("plan") == ["cycle 3: idle"], "the idle plan")
+
+    def test_rviz_ends_on_ctrl_c_while_it_waits_for_the_map(self):
+        maps = rospy.Publisher("map", OccupancyGrid, queue_size=1)
+        others = maps.get_num_connections
+        wait_until(lambda: others() == 1, "the markers to wait for the map")
+        config = str(Path(__file__).resolve().parents[3] / "config" / "mailbot.rviz")
+        with Process(executable("rviz_on_map"), config) as process:
+            wait_until(lambda: others() == 2, "rviz to wait for the map")
+            process.signal(signal.SIGINT)
+            self.assertEqual(process.wait(), (130, ""))
 
     def test_unusable_parameters_are_refused(self):
         rospy.set_param("~labels", {"a": [1, 2]})
