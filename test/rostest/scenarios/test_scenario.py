@@ -29,6 +29,8 @@ PARSER.add_argument("--scenarios", nargs="+", required=True)
 PARSER.add_argument("--bag", required=True)
 PARSER.add_argument("--quick-robot", action="store_true")
 OPTIONS = PARSER.parse_known_args(rospy.myargv()[2:])[0]
+README = Path(__file__).resolve().parents[3] / "README.md"
+EVENT = re.compile(r"^ +[\d.]+ s +(cycle \d+ +(\w+) .*)$", re.MULTILINE)
 SPEED = 10.0  # simulated seconds per second
 GOAL_STATES = {2: "canceled", 3: "succeeded", 4: "aborted", 5: "rejected", 8: "canceled"}
 
@@ -90,7 +92,18 @@ class ScenarioTest(unittest.TestCase):
         lines = [scenario.title]
         servers = ["move_base", "pickup", "deliver"]
         outcome = run_scenario(scenario, servers, lines.append, PATIENCE, recording=recording_and_flying)
-        self.assertEqual(outcome.faults, [], "\n".join(lines))
+        account = "\n".join(lines)
+        self.assertEqual(outcome.faults, [], account)
+        if OPTIONS.scenarios == ["paper"]:
+            self.compare_with_readme(account)
+
+    def compare_with_readme(self, account):
+        """Compare the account with its beginning and end in README.md, apart from times."""
+        beginning, _, end = README.read_text(encoding="utf-8").partition("        ...\n")
+        shown, printed = EVENT.findall(beginning), EVENT.findall(account)
+        in_order = [event for event in printed if event[1] != "goal"]  # statuses are on a topic of their own
+        self.assertEqual(in_order[: len(shown)], shown)
+        self.assertEqual(printed[-1:], EVENT.findall(end))
 
     def read_bag(self, goals):
         """Return the recorder's bag once it has these ends of goals; all other messages come before."""
