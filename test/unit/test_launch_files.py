@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from roslaunch.xmlloader import XmlLoader  # noqa: E402
 
 pytestmark = pytest.mark.once
 ROOT = Path(__file__).resolve().parents[2]
+FILES = [*sorted((ROOT / "launch").glob("*.launch")), *(ROOT / "templates").rglob("*.launch")]
 SIM = {"rosoclingo": ("rosoclingo", "simulator"), "stage": ("rosoclingo", "stage"), "none": None}
 NAV = {"rosoclingo": ("rosoclingo", "move_base"), "move_base": ("move_base", "move_base"), "none": None}
 MAP = {"rosoclingo": ("rosoclingo", "map_server"), "map_server": ("map_server", "map_server"), "none": None}
@@ -322,6 +324,18 @@ def test_launch_household_gives_each_robot_poses_of_its_own():
         assert found == {one.name: [pytest.approx(one.x + side), one.y] for one in shared}
     files = parameters(config, "/rosoclingo/program_files")[""]
     assert [Path(one).name for one in files] == ["household.lp", "home.lp"]
+
+
+def test_launch_fleet_can_do_without_its_interfaces():
+    assert "interface" in {one.type for one in load("fleet.launch").nodes}
+    assert "interface" not in {one.type for one in load("fleet.launch", interfaces="none").nodes}
+
+
+@pytest.mark.parametrize("file", FILES, ids=[file.name for file in FILES])
+def test_launch_arguments_can_be_given_as_documented(file):
+    """The command line of roslaunch ignores ``name:=``, so that only a default can be empty."""
+    for argument in ElementTree.parse(file).getroot().iter("arg"):
+        assert "empty:" not in argument.get("doc", "") or argument.get("default") == "", argument.get("name")
 
 
 def test_launch_both_configurations_describe_same_robot():
