@@ -1,7 +1,7 @@
 """The account of a live run, from public topics."""
 
 from contextlib import suppress
-from queue import Empty, SimpleQueue
+from queue import Empty, Queue
 from typing import Any, Tuple
 
 import rospy
@@ -36,7 +36,8 @@ class AccountNode:
     def __init__(self, account: Account, core: str = USUAL) -> None:
         self._account = account
         self._topics = RunTopics(account)
-        self._arrived: SimpleQueue[Tuple[float, str, Any]] = SimpleQueue()
+        # not SimpleQueue: a signal handler that takes longer than the time-out of its get() makes it wait for ever
+        self._arrived: Queue[Tuple[float, str, Any]] = Queue()
         self._subscribers = {
             topic: rospy.Subscriber(
                 full_name(topic, core), get_message_class(kind), self._on_message, callback_args=topic, queue_size=None

@@ -4,19 +4,25 @@ It is judged by all messages about its end, including those after the last goal'
 """
 
 import itertools
+import signal
+import threading
+import time
 import unittest
 from unittest import mock
 
 import rospy
 import yaml
-from interface_helpers import wait_until
+from actionlib_msgs.msg import GoalStatusArray
+from interface_helpers import CommandProcess, wait_until
 from rosgraph_msgs.msg import Clock
 from rosoclingo.msg import InterfaceIO, TaskPlan
 from std_msgs.msg import String
 
 from rosoclingo.common.reading import Reader
+from rosoclingo.nodes.account_node import AccountNode
 from rosoclingo.nodes.scenarios import player as scenario_player
 from rosoclingo.nodes.scenarios.player import PlayError, ScenarioPlayer
+from rosoclingo.runs.account import Account
 from rosoclingo.runs.scenario import Scenario
 
 SCENARIO = "{title: test, events: [{time: 50.0, request: 'goal(office1,office2,1)'}], timeout: 20.0}"
@@ -85,6 +91,27 @@ class ScenarioPlayerTest(unittest.TestCase):
         with mock.patch.object(scenario_player, "QUIET", 0.5):
             player = ScenarioPlayer(read(text), [], print, self.tick)
             self.assertRaisesRegex(PlayError, "never happened: in cycle 5 facts .*in cycle 1 of the", player.play)
+
+    def test_player_waits_no_longer_after_a_slow_signal_handler(self):
+        """Such as that of rospy, which joins threads: Ctrl-C did not end the player while no messages arrived."""
+        node = AccountNode(Account(print))
+        inlet = rospy.Publisher("in_rosoclingo", InterfaceIO, queue_size=100)
+        late = threading.Timer(20.0, inlet.publish, [InterfaceIO("late", [])])
+        self.addCleanup(late.cancel)
+        self.addCleanup(signal.signal, signal.SIGALRM, signal.signal(signal.SIGALRM, lambda *_: time.sleep(0.3)))
+        late.start()
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        node.tick(0.2)
+        self.assertTrue(late.is_alive())
+
+    def test_player_ends_on_ctrl_c_while_it_waits_for_a_server(self):
+        status = rospy.Publisher("nobody/status", GoalStatusArray, queue_size=1)
+        with CommandProcess("play_scenario", "paper", "--wait-for", "nobody") as process:
+            wait_until(lambda: status.get_num_connections() > 0, "the player to wait")
+            process.signal(signal.SIGINT)
+            code, printed = process.wait()
+        self.assertIn("shut down while waiting: no action server nobody", printed)
+        self.assertEqual(code, 1)
 
     def test_player_reports_a_cancel_of_nothing(self):
         player = ScenarioPlayer(read("events: [{time: 0, cancel: 5}]"), [], print, self.tick)

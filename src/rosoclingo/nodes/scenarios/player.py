@@ -204,7 +204,9 @@ class ScenarioPlayer:
         """Wait for a condition, at most ``timeout`` s of wall time; raises PlayError with the text of ``missing``."""
         end = time.monotonic() + timeout
         while not condition():
-            if time.monotonic() > end or rospy.is_shutdown():
+            if rospy.is_shutdown():
+                raise PlayError(f"shut down while waiting: {missing()}")
+            if time.monotonic() > end:
                 raise PlayError(f"{missing()} within {timeout:g} s")
             self._turn()
 
