@@ -37,7 +37,7 @@ BLOCK = 8
 LEAST_STEPS = 16
 """Least number of past steps to compact."""
 
-MANY_STEPS = 128
+MANY_STEPS = 64
 """Number of past steps that are compacted after a search; fewer are compacted while the robot acts."""
 
 LOG_LIMIT = 2 * LONG
@@ -110,7 +110,7 @@ class PlanSolver(PlanningSolver):
         """Accept ``update``, if there is one, and search for answers; raises like :meth:`update`."""
         start, began = time.perf_counter(), time.process_time()
         check_horizon_limit(update, self.horizon, self._horizon_limit)
-        if self._steps_to_check >= 2 * MANY_STEPS:  # otherwise, the search would ground all of them
+        if self._steps_to_check >= 4 * MANY_STEPS:  # otherwise, the search would ground all of them
             self.checkpoint(stopped)
         before = self.snapshot
         after = before.with_update(update, self.program)
