@@ -1,14 +1,15 @@
 """Compaction: later groundings contain decided steps as facts, so that a long stream costs no more than a short one.
 
 Let R be the ground rules of the first steps; a program with theory atoms or edges of a graph means more than these
-and is not compacted. Each atom of R must be fixed: true in all answers or in none, for all
-possible updates. No statement with a body may define an atom of R. R is dropped, and the rest of the program gets
+and is not compacted. Each atom of R must be fixed: true in all answers or in none, for all possible updates. No
+statement with a body may define an atom of R. R is dropped, and the rest of the program gets
 
 * a fact for each true atom that R or a fact of the stream defines, and
 * a constraint with the value of each other atom of R that base defines, since a constraint of R may have decided it.
 
-The remaining atoms of R are externals without a definition. clingo leaves atoms out of R whose values it knows; they are
-fixed as well: a true one is a fact of R by then, and a false one stays without a definition. The answers stay the same:
+The remaining atoms of R are externals without a definition. clingo leaves atoms out of R whose values it knows; they
+are fixed as well: a true one is a fact of R by then, and a false one stays without a definition. The answers stay the
+same:
 
 * An old answer is a new answer: what R derived in it is a fact now, and the constraints hold as the atoms are fixed.
 * A new answer is an old answer: the atoms of R have their fixed values in it, so the rules of R hold. They derive the
