@@ -1,4 +1,4 @@
-"""A fleet in plain Python: the floor, robots and packages, and the rules of the fleet, independent of the encodings.
+"""The program of a fleet, and a world in plain Python whose rules are independent of the encodings.
 
 A `FleetWorld` executes actions, which can overlap, and refuses an action that breaks a rule, so it checks any plans.
 """

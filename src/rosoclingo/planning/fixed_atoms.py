@@ -107,12 +107,11 @@ class ObservedGrounding(Grounding):
     def _name_atoms(self) -> None:
         self._names.update((one.literal, one.symbol) for one in self._control.symbolic_atoms)
 
-    def blocks(self, name: str) -> Iterator[_Block]:
-        """Yield the blocks of a program part; atoms of steps that clingo has removed are left out."""
+    def blocks(self) -> Iterator[Tuple[str, _Block]]:
+        """Yield the blocks, each with the name of its part; atoms of steps that clingo has removed are left out."""
         self._name_atoms()
         for part, steps, heads, others in self._rules.blocks:
-            if part == name:
-                yield steps, self._named(heads), self._named(heads | others)
+            yield part, (steps, self._named(heads), self._named(heads | others))
 
     def _named(self, literals: Set[int]) -> FrozenSet[clingo.Symbol]:
         return frozenset(self._names[one] for one in literals & self._names.keys())
@@ -120,8 +119,9 @@ class ObservedGrounding(Grounding):
 
 def fixed_atoms(grounding: ObservedGrounding, end: int, open_atoms: AbstractSet[Optional[clingo.Symbol]]) -> FixedAtoms:
     """Return the fixed atoms of the grounded steps before ``end``; the ``open_atoms`` count as not fixed."""
-    _, _, base = next(grounding.blocks("base"))
-    blocks = [one for one in grounding.blocks("cumulative") if one[0][-1] < end]
+    found = list(grounding.blocks())
+    _, _, base = next(one for part, one in found if part == "base")
+    blocks = [one for part, one in found if part == "cumulative" and one[0][-1] < end]
     fixed = _Values(base.union(*(atoms for _, _, atoms in blocks)) - open_atoms)
     grounding.inspect(fixed)
     first, steps, defined = grounding.past.first, {}, set()  # type: int, Dict[clingo.Symbol, int], Set[clingo.Symbol]

@@ -230,7 +230,7 @@ class Core(PersistentPart):
         return self._improvable
 
     def compact(self, stopped: Callable[[], bool]) -> None:
-        """Compact a long history while actions run and nothing waits, until ``stopped``; see :meth:`improve`."""
+        """Compact a long history if actions run and nothing waits; ``stopped`` is polled as by :meth:`improve`."""
         if self.awaited and not self._feeder.pending:
             self._planner.compact(stopped)
 

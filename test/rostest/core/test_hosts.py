@@ -143,6 +143,6 @@ class Hosts(unittest.TestCase):
         done = Counter(goal for robot in ROBOTS for goal in self.begun(robot))
         self.assertEqual(done.pop(work["r2"]), 2, "another robot repeats what r2 has begun")
         self.assertEqual(done, Counter(set(self.goals) - {work["r2"]}), "all others are done once")
-        # A slow machine may also report each robot as lost, and as back, after the restart of the core.
+        # A restarted core hears a robot again after two seconds or more, so the robot can be lost and back before.
         told = re.findall(r"_(lost|back)\(r2,", " ".join(self.updates.texts))
         self.assertEqual(told[-1], "lost", "r2 is not back once its host is gone")
