@@ -11,16 +11,19 @@ ignores collisions.
 A row is a floor (number of offices in a row, or loops), the numbers of robots and of requests, and "once" (all
 requests are known at the start) or "stream" (one more every 15 s). Figures of a row:
   first     seconds of processor time until the first action
-  makespan  simulated seconds until the last delivery, and the same without _running, in the paper's cycle (paper)
+  makespan  simulated seconds until the last delivery
+  paper     the same without _running, in the paper's cycle
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
-  idle      longest time in seconds that a robot stood still without a task while a package waited for a robot
+  idle      longest time in seconds that a robot had no task although it could have been at a waiting package sooner
+            than the robot that was to pick it up
 
 Run it in the built workspace: ./dev exec python3 bench/fleet.py
 ./dev bench fleet installs OR-Tools.
 """
 
 import heapq
+import math
 from itertools import product
 
 import peers
@@ -61,7 +64,7 @@ class FleetCore(PooledCore):
 
     Attributes:
         now: the simulated time in seconds.
-        idle: the longest time that a robot rested while a package waited.
+        idle: the longest time that a robot had no task while another one was to pick up a package later than it could.
         first: the processor time in seconds at which the first action was sent.
 
     """
@@ -83,8 +86,8 @@ class FleetCore(PooledCore):
         if isinstance(event, ActionsDispatched):
             self.first = self.first or self.used
             for action in event.actions:
-                verb, robot = action.interface.name, str(action.interface.arguments[0])
-                duration = self.world.begin(robot, verb, int(str(action.parameter).replace("office", "")))
+                robot, verb, what = act_of(action)
+                duration = self.world.begin(robot, verb, what)
                 heapq.heappush(self._ends, (self.now + duration, len(self._ends), robot, action))
         self.check_success()
 
@@ -114,11 +117,36 @@ class FleetCore(PooledCore):
         self.await_standby(seconds)
 
     def _rest(self):
-        """Measure how long robots rest while a package waits at a place of its own."""
-        world = self.world
-        resting = [one for one in world.at if world.waiting and one not in world.acts and not world.load[one]]
-        self._rests = {robot: self._rests.get(robot, self.now) for robot in resting}
-        self.idle = max([self.idle, *(self.now - since for since in self._rests.values())])
+        """Measure how long robots are without a task while a package waits that they could pick up sooner."""
+        world, rests = self.world, {}
+        busy, pickups = self._plan_times()
+        for robot in world.at.keys() - busy.keys():
+            moves = world.floor.distances_from(world.at[robot])
+            times = [(DRIVE * moves[one.start], pickups.get(one.number, math.inf)) for one in world.waiting.values()]
+            if not world.load[robot] and any(sooner < planned for sooner, planned in times):
+                rests[robot] = self._rests.get(robot, self.now)
+        self._rests = rests
+        self.idle = max([self.idle, *(self.now - since for since in rests.values())])
+
+    def _plan_times(self):
+        """Return the mean seconds until robots with a task end the last one, and until packages are picked up."""
+        acts = self.world.acts
+        busy = {robot: end - self.now for end, _, robot, _ in self._ends}
+        pickups = {what: 0.0 for verb, what in acts.values() if verb == "pickup"}
+        for action in self.core.plan.remaining(self.core.cycle):
+            robot, verb, what = act_of(action)
+            if acts.get(robot) != (verb, what) or action.cycle > self.core.cycle:  # it is not under way
+                begin = busy.get(robot, 0.0)
+                busy[robot] = begin + (DRIVE if verb == "move_base" else HANDLE)
+                if verb == "pickup":
+                    pickups[what] = begin
+        return busy, pickups
+
+
+def act_of(action):
+    """Return robot, verb and office or package of an action."""
+    what = int(str(action.parameter).replace("office", ""))
+    return str(action.interface.arguments[0]), action.interface.name, what
 
 
 # ---- Measurements ----------------------------------------------------------------------------------------------------
@@ -143,15 +171,15 @@ def drive(program, world, requests, gap):
         return {"first [s]": core.first - begin, "makespan": core.now, "drive": world.driven, "idle": core.idle}
 
 
-def measure_row(name, robots, count, how, seed):
-    """Return the figures of a row."""
+def measure_row(name, robots, count, how, seed, paper):
+    """Return the figures of a row, with the paper's cycle if ``paper``."""
     floor = floor_named(name)
     requests, places, gap = random_requests(floor, count, seed), starts(floor, robots), GAP if how == "stream" else 0.0
     program = fleet_program(floor, places, ROOM)
-    cells, paper = (
-        drive(one, FleetWorld(floor, places, ROOM, seed), requests, gap) for one in (program, in_papers_cycle(program))
-    )
-    cells["paper"] = paper["makespan"]
+    cells = drive(program, FleetWorld(floor, places, ROOM, seed), requests, gap)
+    if paper:
+        world = FleetWorld(floor, places, ROOM, seed)
+        cells["paper"] = drive(in_papers_cycle(program), world, requests, gap)["makespan"]
     if not gap and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
     return cells
@@ -160,7 +188,8 @@ def measure_row(name, robots, count, how, seed):
 def measure(options):
     """Yield the figures of all rows."""
     for row in product(options.floors, options.robots, options.requests, options.how):
-        yield from row_figures("{}/{}/{} {}".format(*row), measure_row(*row, options.seed), UNITS)
+        cells = measure_row(*row, options.seed, row[1] in options.paper)
+        yield from row_figures("{}/{}/{} {}".format(*row), cells, UNITS)
 
 
 if __name__ == "__main__":
@@ -171,5 +200,6 @@ if __name__ == "__main__":
         robots=Option([1, 2, 4, 8], "numbers of robots", [2, 4]),
         requests=Option([20, 50], "numbers of requests", [20]),
         how=Option(["once", "stream"], "arrival of requests", ["once"], ["once", "stream"]),
+        paper=Option([4], "numbers of robots that act in the paper's cycle as well", [4]),
         seed=Option(1, "seed of requests and durations"),
     )

@@ -38,7 +38,7 @@ class FleetWorld:
     """
 
     def __init__(self, floor: Floor, starts: Dict[str, int], room: int = 1, seed: int = 0) -> None:
-        self._floor, self._room, self._random = floor, room, random.Random(seed)
+        self.floor, self._room, self._random = floor, room, random.Random(seed)
         self.at = dict(starts)
         self._toward: Dict[str, Set[int]] = {robot: set() for robot in starts}  # offices of drives that have failed
         self.acts: Dict[str, Tuple[str, int]] = {}
@@ -118,7 +118,7 @@ class FleetWorld:
 
     def _no_drive(self, robot: str, office: int) -> str:
         here, others = self.at[robot], self.holders(office) - {robot}
-        if office not in self._floor.neighbours(here) and not (office == here and self._toward[robot]):
+        if office not in self.floor.neighbours(here) and not (office == here and self._toward[robot]):
             return "no corridor leads there"
         if office not in self._held(robot) and len(others) >= self._room:
             return f"{', '.join(sorted(others))} hold it"
