@@ -12,7 +12,8 @@ A row is a floor (number of offices in a row, or loops), the numbers of robots a
 requests are known at the start) or "stream" (one more every 15 s). Figures of a row:
   first     seconds of processor time until the first action
   makespan  simulated seconds until the last delivery
-  paper     the same without _running, in the paper's cycle
+  service   simulated seconds from a request to its delivery, on average
+  paper     both without _running, in the paper's cycle
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
   idle      longest time in seconds that a robot had no task although it could have been at a waiting package sooner
@@ -25,6 +26,7 @@ Run it in the built workspace: ./dev exec python3 bench/fleet.py
 import heapq
 import math
 from itertools import product
+from statistics import mean
 
 import peers
 from acting_core import PooledCore
@@ -42,7 +44,10 @@ PLAN_TIME = 0.3  # seconds of processor time to shorten a plan before its first 
 SHARE = 0.5  # seconds of processor time for each simulated second to improve and prefetch plans between two events
 OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
-UNITS = {"first [s]": "s of processor", "makespan": "s", "paper": "s", "drive": "s", "or": "s", "idle": "s"}
+UNITS = {
+    "first [s]": "s of processor",
+    **dict.fromkeys(["makespan", "service", "paper: makespan", "paper: service", "drive", "or", "idle"], "s"),
+}
 
 RUNNING = "#external _running/3.\n"
 """The declaration in encodings/fleet/rules.lp that gives a program the finer cycle."""
@@ -66,18 +71,21 @@ class FleetCore(PooledCore):
         now: the simulated time in seconds.
         idle: the longest time that a robot had no task while another one was to pick up a package later than it could.
         first: the processor time in seconds at which the first action was sent.
+        services: the times from requests to deliveries.
 
     """
 
     def __init__(self, program, world):
         super().__init__(program, PLAN_TIME)
         self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
-        self._ends, self._rests = [], {}
+        self.services = []
+        self._ends, self._rests, self._asked = [], {}, {}
 
     def ask(self, requests):
         """Send goals; their packages wait on the floor."""
         self.world.ask(requests)
         for one in requests:
+            self._asked[one.number] = self.now
             self.core.add_goal(str(one.number), one.goal)
 
     def note(self, event):
@@ -101,6 +109,9 @@ class FleetCore(PooledCore):
             elif self._ends:
                 self.now, _, robot, action = heapq.heappop(self._ends)
                 self.world.end(robot)
+                _, verb, what = act_of(action)
+                if verb == "deliver":
+                    self.services.append(self.now - self._asked[what])
                 self.answer(actions=[action])
             else:
                 self.now += 1.0
@@ -168,7 +179,8 @@ def drive(program, world, requests, gap):
     with FleetCore(program, world) as core:
         begin = core.used
         core.play(batches)
-        return {"first [s]": core.first - begin, "makespan": core.now, "drive": world.driven, "idle": core.idle}
+        times = {"makespan": core.now, "service": mean(core.services), "drive": world.driven, "idle": core.idle}
+        return {"first [s]": core.first - begin, **times}
 
 
 def measure_row(name, robots, count, how, seed, paper):
@@ -178,8 +190,8 @@ def measure_row(name, robots, count, how, seed, paper):
     program = fleet_program(floor, places, ROOM)
     cells = drive(program, FleetWorld(floor, places, ROOM, seed), requests, gap)
     if paper:
-        world = FleetWorld(floor, places, ROOM, seed)
-        cells["paper"] = drive(in_papers_cycle(program), world, requests, gap)["makespan"]
+        other = drive(in_papers_cycle(program), FleetWorld(floor, places, ROOM, seed), requests, gap)
+        cells.update({f"paper: {name}": other[name] for name in ("makespan", "service")})
     if not gap and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
     return cells
