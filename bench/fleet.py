@@ -12,7 +12,7 @@ A row is a floor (number of offices in a row, or loops), the numbers of robots a
 requests are known at the start) or "stream" (one more every 15 s). Figures of a row:
   first     seconds of processor time until the first action
   makespan  simulated seconds until the last delivery
-  service   simulated seconds from a request to its delivery, on average
+  delay     simulated seconds from a request to its delivery, on average
   paper     both without _running, in the paper's cycle
   drive     seconds of driving, of all robots
   or        the makespan of OR-Tools' plan, for requests that are known at the start
@@ -46,7 +46,7 @@ OR_SECONDS = 5.0  # OR-Tools' time for a plan
 
 UNITS = {
     "first [s]": "s of processor",
-    **dict.fromkeys(["makespan", "service", "paper: makespan", "paper: service", "drive", "or", "idle"], "s"),
+    **dict.fromkeys(["makespan", "delay", "paper: makespan", "paper: delay", "drive", "or", "idle"], "s"),
 }
 
 RUNNING = "#external _running/3.\n"
@@ -71,14 +71,14 @@ class FleetCore(PooledCore):
         now: the simulated time in seconds.
         idle: the longest time that a robot had no task while another one was to pick up a package later than it could.
         first: the processor time in seconds at which the first action was sent.
-        services: the times from requests to deliveries.
+        delays: the simulated seconds from each request to its delivery.
 
     """
 
     def __init__(self, program, world):
         super().__init__(program, PLAN_TIME)
         self.world, self.now, self.idle, self.first = world, 0.0, 0.0, None
-        self.services = []
+        self.delays = []
         self._ends, self._rests, self._asked = [], {}, {}
 
     def ask(self, requests):
@@ -111,7 +111,7 @@ class FleetCore(PooledCore):
                 self.world.end(robot)
                 _, verb, what = act_of(action)
                 if verb == "deliver":
-                    self.services.append(self.now - self._asked[what])
+                    self.delays.append(self.now - self._asked[what])
                 self.answer(actions=[action])
             else:
                 self.now += 1.0
@@ -129,6 +129,7 @@ class FleetCore(PooledCore):
 
     def _rest(self):
         """Measure how long robots are without a task while a package waits that they could pick up sooner."""
+        self.idle = max([self.idle, *(self.now - since for since in self._rests.values())])
         world, rests = self.world, {}
         busy, pickups = self._plan_times()
         for robot in world.at.keys() - busy.keys():
@@ -137,7 +138,6 @@ class FleetCore(PooledCore):
             if not world.load[robot] and any(sooner < planned for sooner, planned in times):
                 rests[robot] = self._rests.get(robot, self.now)
         self._rests = rests
-        self.idle = max([self.idle, *(self.now - since for since in rests.values())])
 
     def _plan_times(self):
         """Return the mean seconds until robots with a task end the last one, and until packages are picked up."""
@@ -179,7 +179,7 @@ def drive(program, world, requests, gap):
     with FleetCore(program, world) as core:
         begin = core.used
         core.play(batches)
-        times = {"makespan": core.now, "service": mean(core.services), "drive": world.driven, "idle": core.idle}
+        times = {"makespan": core.now, "delay": mean(core.delays), "drive": world.driven, "idle": core.idle}
         return {"first [s]": core.first - begin, **times}
 
 
@@ -191,7 +191,7 @@ def measure_row(name, robots, count, how, seed, paper):
     cells = drive(program, FleetWorld(floor, places, ROOM, seed), requests, gap)
     if paper:
         other = drive(in_papers_cycle(program), FleetWorld(floor, places, ROOM, seed), requests, gap)
-        cells.update({f"paper: {name}": other[name] for name in ("makespan", "service")})
+        cells.update({f"paper: {column}": other[column] for column in ("makespan", "delay")})
     if not gap and peers.folder_of(peers.OR_TOOLS):
         cells["or"] = routed(floor, robots, requests)
     return cells
@@ -212,6 +212,6 @@ if __name__ == "__main__":
         robots=Option([1, 2, 4, 8], "numbers of robots", [2, 4]),
         requests=Option([20, 50], "numbers of requests", [20]),
         how=Option(["once", "stream"], "arrival of requests", ["once"], ["once", "stream"]),
-        paper=Option([4], "numbers of robots that act in the paper's cycle as well", [4]),
+        paper=Option([4], "numbers of robots that act in the paper's cycle as well"),
         seed=Option(1, "seed of requests and durations"),
     )
