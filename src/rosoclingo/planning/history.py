@@ -57,21 +57,10 @@ class Plan(NamedTuple):
         """Return the plan delayed by one cycle, for example to repeat a failed action."""
         return Plan(frozenset(delay(one, 1) for one in self.actions), self.horizon + 1)
 
-    def delayed_by(self, running: Iterable[clingo.Symbol], cycle: int) -> "Plan":
-        """Return the plan from ``cycle`` on, in which ``running`` actions go on and delay those of the same robots.
-
-        ``running`` are ``_running`` atoms of the cycle before. For the robots see :func:`robots_of`.
-        """
-        going = _going_on(running, cycle)
-        late = {robot for one in going for robot in robots_of(one.arguments[0])}
-        left = self.rest(cycle).actions
-        moved = (one if late.isdisjoint(robots_of(one.arguments[0])) else delay(one, 1) for one in left)
-        return Plan(going.union(moved), self.horizon + 1)
-
     def waiting_for(self, running: Iterable[clingo.Symbol], cycle: int) -> "Plan":
         """Return the plan from ``cycle`` on, in which ``running`` actions go on and delay all others."""
         rest = self.rest(cycle).delayed()
-        return rest._replace(actions=rest.actions.union(_going_on(running, cycle)))
+        return rest._replace(actions=rest.actions.union(going_on(running, cycle)))
 
     def fixing(self, actions: Iterable[clingo.Symbol]) -> List[Tuple[clingo.Symbol, bool]]:
         """Return assumptions about ``actions``: true if the plan contains the action, otherwise false."""
@@ -88,7 +77,7 @@ class Plan(NamedTuple):
         return max(map(cycle_of, self.actions), default=-(2**31))
 
 
-def _going_on(running: Iterable[clingo.Symbol], cycle: int) -> FrozenSet[clingo.Symbol]:
+def going_on(running: Iterable[clingo.Symbol], cycle: int) -> FrozenSet[clingo.Symbol]:
     """Return the actions of ``cycle`` that go on: ``running`` are the ``_running`` atoms of the cycle before."""
     return frozenset(clingo.Function(ACTION.name, [*one.arguments[:2], clingo.Number(cycle)]) for one in running)
 

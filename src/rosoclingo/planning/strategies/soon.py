@@ -9,9 +9,10 @@ at once.
 
 from typing import Generator, List, NamedTuple, Optional, TypeVar
 
-from rosoclingo.planning.history import Plan
+from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import UNKNOWN, Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategies.improve import FEW_STEPS
+from rosoclingo.planning.strategies.keep_order import beginnings, rescheduled
 from rosoclingo.planning.strategies.trim import trimmed
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -42,7 +43,7 @@ LEAST_CONFLICTS = 1000
 """Limit of conflicts for a question about the least horizon that is not refuted."""
 
 LATER = 2
-"""Number of steps by which actions of the last plan can be late, if other actions go on."""
+"""Number of steps by which actions of the last plan can be late, so that another one begins."""
 
 KEPT = 0.1
 """Fraction of the time limit for shorter plans if the last plan is still valid, or if actions go on: no robot waits."""
@@ -96,46 +97,42 @@ class FirstPlanSearch:
     # ---- The last plan -----------------------------------------------------------------------------------------------
 
     def _keep_plan(self) -> _Asks[Optional[Reply]]:
-        """Return the rest of the last plan if it is still a plan, unchanged or delayed by one step; otherwise None.
+        """Return the rest of the last plan if it is still a plan, unchanged or delayed; otherwise None.
 
-        If actions go on, only the further actions of the same robots are delayed. If this is no plan, because robots
-        get in each other's way, any actions can be late.
+        If actions go on, the others keep their order, see keep_order.py. If this is no plan, all of them are delayed.
+        If no action begins then, robots that wait begin theirs if they can: the running actions can hang.
         """
         if self._plan is None:
             return None
         step, running = self._runner.step, self._runner.snapshot.running
         rest = self._plan.rest(step)
-        plans = [self._plan.delayed_by(running, step)] if running else [rest, self._plan.rest(step - 1).delayed()]
+        plans = [rest, self._plan.rest(step - 1).delayed()]
+        if running:
+            plans = [rescheduled(self._plan, running, step), self._plan.waiting_for(running, step)]
         self._share *= KEPT if running else 1.0  # plans are improved while actions run
         for plan in plans:
             reply = yield from self._ask_exactly(plan)
             if reply.satisfiable:
                 if plan is rest:
                     self._share *= 0.0 if self._succeeds and not plan.shortest else KEPT
-                if running or (plan is rest and self._succeeds):
-                    return reply  # plans are trimmed while actions run
+                if running:  # plans are trimmed while actions run
+                    return (yield from self._with_beginnings(reply))
+                if plan is rest and self._succeeds:
+                    return reply
                 return (yield from self._trimmed(reply))
-        if running:
-            end = self._end
-            reply = yield from self._ask_later(plans[0])
-            if reply.satisfiable:
-                return reply
-            self._end = end  # other plans need no more steps
-            plans.append(self._plan.waiting_for(running, step))
         self._rests = [plan for plan in plans if plan.actions]
         return None
 
-    def _ask_later(self, plan: Plan) -> _Asks[Reply]:
-        """Ask for a plan with actions of ``plan`` only, in which each can be up to :data:`LATER` steps late.
-
-        It has as few additional steps as possible.
-        """
-        reply, last = UNKNOWN, max(self._least, plan.horizon)
-        for end in range(last, last + LATER + 1):
-            if reply.satisfiable or not self._reach(end):
-                break
-            given = plan.excluding_others(self._runner.actions(self._runner.step, end), LATER)
-            reply = yield from self._ask(self._least, end, CONFLICTS, given)
+    def _with_beginnings(self, reply: Reply) -> _Asks[Reply]:
+        """Return ``reply``, or if no action begins in it, a plan that begins the next ones of robots that wait."""
+        step, last = self._runner.step, reply.plan.horizon
+        actions = self._runner.actions(step, last)
+        nexts = beginnings(reply.plan, self._runner.snapshot.running, step)
+        for begun in [one for one in nexts if one in actions]:
+            fixed = [(one, True) for one in (begun, *reply.plan.actions) if cycle_of(one) == step]
+            others = [given for given in reply.plan.excluding_others(actions, LATER) if given[0] != begun]
+            found = yield from self._ask(self._least, last, CONFLICTS, [*fixed, *others])
+            reply = found if found.satisfiable else reply
         return reply
 
     def _reach(self, last: int) -> bool:

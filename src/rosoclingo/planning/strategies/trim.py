@@ -1,19 +1,16 @@
-"""Removes superfluous actions and idle steps from plans, and lets robots act as early as possible.
+"""Removes superfluous actions and idle steps from plans.
 
 An action is superfluous if the plan stays valid without it and the actions that depend on it (action elimination,
 Nakhost and Mueller 2010). The solver searches for a plan with a proper subset of the actions until there is none. It
 assumes all other actions false, which is slow if there are many. A program with ``#heuristic`` statements is assumed to
 plan no superfluous actions, unless several robots act: each of them could do what another one plans to do.
-
-If actions can go on while others end, a robot without an action in the next step begins its next action then, if the
-plan stays valid. The plan has no fewer steps, but if its actions take longer than planned, fewer of them are late.
 """
 
 from contextlib import suppress
-from typing import Generator, Iterator, Optional
+from typing import Generator, Optional
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
+from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -37,7 +34,7 @@ def trimmed(found: Reply, runner: StrategyRunner, step: int, first: int) -> Gene
 def trim(
     plan: Plan, runner: StrategyRunner, step: int, first: int, present: Assumptions = ()
 ) -> Strategy[Optional[Reply]]:
-    """Return a plan that has fewer idle steps or actions after ``step`` than ``plan``, or earlier ones; None for none.
+    """Return a plan that has fewer idle steps or actions after ``step`` than ``plan``; None for none.
 
     ``first`` is the least possible horizon; ``present`` are the assumptions about the actions up to ``step``.
     """
@@ -60,26 +57,10 @@ def trim(
     if trusted or not rest.actions:
         return None
     fewer = yield question(rest, first, plan.horizon, fewer=True)
-    if fewer.satisfiable:
-        return fewer
-    for earlier in _with_less_waiting(rest, step + 1) if runner.program.actions_go_on else ():
-        sooner = yield question(earlier, first, plan.horizon)
-        if sooner.satisfiable:
-            return sooner
-    return None
+    return fewer if fewer.satisfiable else None
 
 
 def _without_idling(plan: Plan, step: int) -> Plan:
     """Return ``plan``, which begins after ``step``, without idle steps."""
     cycles = {cycle: number for number, cycle in enumerate(sorted(set(map(cycle_of, plan.actions))), step + 1)}
     return plan._replace(actions=frozenset(delay(one, cycles[cycle_of(one)] - cycle_of(one)) for one in plan.actions))
-
-
-def _with_less_waiting(plan: Plan, begin: int) -> Iterator[Plan]:
-    """Yield plans in which one robot acts earlier than in ``plan``: from ``begin`` on, or by one step."""
-    robots = {one: robots_of(one.arguments[0]) for one in plan.actions}
-    for robot in sorted({robot for some in robots.values() for robot in some}):
-        own = [one for one in plan.actions if robot in robots[one]]
-        late = min(map(cycle_of, own)) - begin
-        for steps in sorted({late, min(late, 1)} - {0}, reverse=True):
-            yield plan._replace(actions=plan.actions.difference(own).union(delay(one, -steps) for one in own))
