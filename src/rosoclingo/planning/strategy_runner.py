@@ -7,12 +7,15 @@ from typing import Callable, FrozenSet, List, Optional, TypeVar
 import clingo
 
 from rosoclingo.oclingo.errors import StoppedError
+from rosoclingo.oclingo.program.action_rules import TAKES
 from rosoclingo.oclingo.program.reactive_program import ReactiveProgram
 from rosoclingo.oclingo.progression.lifetimes import FOREVER
+from rosoclingo.oclingo.progression.terms import signature_of
 from rosoclingo.oclingo.solving.stream_state import TimedStatement
 from rosoclingo.planning.grounding import Grounding, pieces
 from rosoclingo.planning.question import Assumptions, Question, Reply, Stop, Strategy, never
 from rosoclingo.planning.snapshot import Snapshot
+from rosoclingo.planning.strategies.tour_actions import Durations, durations_of
 
 T = TypeVar("T")
 
@@ -81,7 +84,8 @@ class StrategyRunner:
         base, grounding = self.grounding.snapshot, self.grounding
         new = snapshot.items[len(base.items) :]
         statements = [one.statement for one in new if isinstance(one, TimedStatement) and one.lifetime == FOREVER]
-        facts = frozenset(one.head for one in statements if one.head is not None and not one.body)
+        heads = frozenset(one.head for one in statements if one.head is not None and not one.body)
+        facts = frozenset(one for one in heads if self.program.can_mention(one, self.program.first_step))
         cycles = snapshot.closed.keys() - base.closed.keys()
         executed = frozenset(one for cycle in cycles for one in snapshot.closed[cycle])
         actions = [one for cycle in sorted(cycles) for one in grounding.actions(cycle, cycle)]
@@ -91,7 +95,7 @@ class StrategyRunner:
             or snapshot.warnings
             or (snapshot.past, snapshot.items[: len(base.items)]) != (base.past, base.items)
             or len(statements) < len(new)
-            or not all(one.body[0].atom in executed if one.is_commitment else one.head in facts for one in statements)
+            or not all(one.body[0].atom in executed if one.is_commitment else one.head in heads for one in statements)
             or not executed.issubset(actions)
             or not all(map(grounding.definitions.is_undefined, facts))
         ):
@@ -123,6 +127,13 @@ class StrategyRunner:
     def horizon(self) -> int:
         """The last grounded step."""
         return self.grounding.horizon
+
+    @property
+    def durations(self) -> Durations:
+        """The durations of actions that the stream states; none if rules of the program use them."""
+        heads = (one.head for one in self.snapshot.statements if one.head is not None)
+        stated = (one for one in heads if signature_of(one) == TAKES)
+        return durations_of(one for one in stated if not self.program.can_mention(one, self.program.first_step))
 
     def may_grow(self, horizon: int) -> bool:
         """Return whether bound and limit allow a step after ``horizon``."""

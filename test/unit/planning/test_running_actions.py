@@ -9,8 +9,11 @@ from hypothesis import strategies as st
 
 from rosoclingo.oclingo import ReactiveProgram, SolveOutcome
 from rosoclingo.oclingo.progression.parser import parse_update
+from rosoclingo.planning.grounding import Grounding
 from rosoclingo.planning.history import Plan, cycle_of
+from rosoclingo.planning.snapshot import Snapshot
 from rosoclingo.planning.solver import PlanSolver
+from rosoclingo.planning.strategy_runner import StrategyRunner
 
 #: Carts to place 4; r2 follows r1. With a failure, a cart stays where it is.
 TRACK = """
@@ -82,3 +85,21 @@ def is_plan(plan, before, update):
     steps = plan.horizon - update.step
     text = f"#step {update.step} : {steps}. #volatile. {' '.join(given_actions)} #endstep."
     return checker.search(parse_update(text), lambda: False).outcome is SolveOutcome.SATISFIABLE
+
+
+@pytest.mark.parametrize("rule", ["", "slow(A) :- _takes(A,any,S), S > 5."])
+def test_durations_need_no_grounding(rule):
+    """A program that uses durations itself plans them as steps, so the planner does not."""
+    program = ReactiveProgram.from_text(TRACK.replace("#program base.", f"#external _takes/3. #program base. {rule}"))
+
+    def build(snapshot, horizon, stopped):
+        return Grounding(program, snapshot, horizon, frozenset(), stopped, False)
+
+    first = Snapshot.initial(program).with_update(parse_update("#step 1 : 12. _request(go,1). #endstep."), program)
+    runner = StrategyRunner(program, first, build, 8)
+    then = "#step 2 : 12. #closed 1. _takes(go(r1),any,8). _takes(go(r1),4,9). #endstep."
+    later = runner.following(first.with_update(parse_update(then), program))
+    if rule:
+        assert later is None or later.durations == {}
+    else:
+        assert {str(name): seconds for name, seconds in later.durations.items()} == {"go": 8}

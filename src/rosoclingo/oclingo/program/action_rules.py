@@ -22,6 +22,7 @@ ACTION = Signature("_action_lib", 3)
 RETURN = Signature("_return", 3)
 FAILED = Signature("_failed", 3)
 RUNNING = Signature("_running", 3)
+TAKES = Signature("_takes", 3)
 STEPS = Signature("_steps", 2)
 """``_steps(N,C)``: the program claims that a plan from cycle C on has at least N steps; #sup: there is none."""
 BEYOND = Signature("__oclingo_beyond", 1)

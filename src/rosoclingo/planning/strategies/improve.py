@@ -6,8 +6,10 @@ Each round asks for plans of several kinds:
 * The tasks of the plan in another *order*, see reorder.py. The solver checks the candidate, and whether robots wait.
 * A plan with a free *window* of steps: actions before it stay, actions after it move one step earlier. Windows overlap
   by half.
-* A plan in which the *robots* that end last and one other are free, if actions can go on while others end.
 * If the program optimizes, a cheaper plan of the same length, with a free window of steps.
+
+A plan is better if it has fewer steps. If several robots have actions that go on while others end, it is better if they
+take less time, see reorder.py, unless the program optimizes.
 
 If a round finds nothing, the next round has larger windows and a higher limit of conflicts. Each plan is trimmed before
 the next round of questions, see trim.py.
@@ -15,14 +17,14 @@ the next round of questions, see trim.py.
 
 from contextlib import suppress
 from random import Random
-from typing import Callable, Iterable, Iterator, Optional, Set, Tuple
+from typing import Callable, FrozenSet, Iterable, Iterator, Optional, Set, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.errors import StoppedError
-from rosoclingo.planning.history import Plan, cycle_of, delay, robots_of
+from rosoclingo.planning.history import Plan, cycle_of, delay
 from rosoclingo.planning.question import Assumptions, Question, Reply, Strategy
-from rosoclingo.planning.strategies.reorder import reordered
+from rosoclingo.planning.strategies.reorder import reordered, time_cost
 from rosoclingo.planning.strategies.trim import trim
 from rosoclingo.planning.strategy_runner import StrategyRunner
 
@@ -35,14 +37,11 @@ CONFLICTS = 100
 MOST_CONFLICTS = 20_000
 """Limit of conflicts for a question in the last round; if this round finds nothing, the search is exhausted."""
 
-ROBOTS_CONFLICTS = 16
-"""Factor of :data:`CONFLICTS` if two or more robots are free: this takes more conflicts than a free window."""
-
 COST_CONFLICTS = 1000
 """Limit of conflicts for computing the cost of a plan; most plans need few."""
 
-WAITS = (0, 1, 2, 4)
-"""Numbers of further steps for a candidate, because robots wait for each other; tried in order."""
+WAITS = 4
+"""Number of steps by which actions of a candidate can be late, because robots wait for each other."""
 
 FEW_STEPS = 100
 """Greatest number of steps for which questions without ``#heuristic`` are worthwhile."""
@@ -59,7 +58,7 @@ class Improvement:
         self._present: Assumptions  # fix the actions up to the present step as executed
         self._costed: Optional[Tuple[StrategyRunner, Reply]] = None  # an answer with the plan's cost, and its grounding
         self._exhausted = self._trimmed = False
-        self._ordered = (-1, -1)  # the step and the horizon of the plan whose tasks were reordered first
+        self._ordered: FrozenSet[clingo.Symbol] = frozenset()  # the actions that were reordered first
         self._questions = self._rounds()
 
     def moves_to(self, plan: Plan, step: int, first: int) -> bool:
@@ -89,9 +88,10 @@ class Improvement:
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
         best: Optional[Reply] = None
         with suppress(StoppedError):
-            state, orders = (self._step, self._plan.horizon), iter(())  # type: Tuple[int, int], Iterator[Question]
-            if runner.program.actions_go_on and state != self._ordered:
-                self._ordered, orders = state, self._reordered(CONFLICTS)
+            orders: Iterator[Question] = iter(())
+            rest = self._plan.rest(self._step + 1).actions
+            if runner.program.actions_go_on and rest != self._ordered:
+                self._ordered, orders = rest, self._reordered(CONFLICTS)
             while not runner.is_stopped():
                 order = next(orders, None)
                 if order is not None:  # first, because it can save many steps before the next update
@@ -122,12 +122,12 @@ class Improvement:
         return (yield from (self._cheaper if question.best else self._shorter)(question))
 
     def _shorter(self, question: Question) -> Strategy[Optional[Reply]]:
-        """Return a shorter plan if there is an answer to ``question``."""
-        last = min(question.last, self._plan.horizon - 1, self._runner.horizon)  # the grounding does not grow
+        """Return the answer to ``question`` if its plan is shorter, or takes several robots less time."""
+        last = min(question.last, self._runner.horizon)  # the grounding does not grow
         if last < self._begin:  # earlier questions of the round have excluded all shorter plans
             return None
         found = yield question._replace(last=last, given=[*self._present, *question.given])
-        if found.satisfiable:
+        if found.satisfiable and self._cost(found.plan) < self._cost(self._plan):
             self._costed = None
             return found
         if found.satisfiable is False and not question.given:
@@ -173,8 +173,6 @@ class Improvement:
 
     def _round(self, size: int, conflicts: int) -> Iterator[Question]:
         yield from self._while_shorter(lambda: self._shorter_plans(2 * conflicts))
-        if self._runner.program.actions_go_on:
-            yield from self._while_shorter(lambda: self._other_robots(ROBOTS_CONFLICTS * conflicts))
         first = self._step + 1
         while first <= self._plan.horizon:
             yield from self._while_shorter(lambda: self._reordered(conflicts))
@@ -199,16 +197,6 @@ class Improvement:
         for advised in (True, False) if self._runner.program.advises and few else (True,):
             yield Question(self._first, last, conflicts=conflicts, advised=advised)
 
-    def _other_robots(self, conflicts: int) -> Iterator[Question]:
-        """Yield questions about plans in which the robots that end last and one other are free, until one helps."""
-        horizon, actions = self._plan.horizon, self._plan.rest(self._step + 1).actions
-        robots = {one: robots_of(one.arguments[0]) for one in actions}
-        last = {robot for one in actions if cycle_of(one) == self._plan.last_cycle for robot in robots[one]}
-        for other in sorted({robot for some in robots.values() for robot in some} - last):
-            if self._plan.horizon == horizon:
-                given = [(one, True) for one in actions if {*last, other}.isdisjoint(robots[one])]
-                yield Question(self._first, horizon - 1, given, conflicts=conflicts)
-
     def _window(self, conflicts: int, first: int, end: int, earlier: int = 1) -> Question:
         """Return the question for a plan in which the steps from ``first`` to ``end - 1`` are free.
 
@@ -224,15 +212,21 @@ class Improvement:
     def _reordered(self, conflicts: int) -> Iterator[Question]:
         """Yield questions about another order of the tasks, in which robots can wait for each other."""
         before = self._plan
-        plan = reordered(before, self._step, self._random, self._runner.is_stopped, self._runner.first_actions)
+        stopped, possible = self._runner.is_stopped, self._runner.first_actions
+        plan = reordered(before, self._step, self._random, stopped, possible, self._runner.durations, self._cost)
         if plan is None:
             return
-        waits = WAITS if self._runner.program.actions_go_on else (0,)
-        for more in waits:
-            if self._plan is before and plan.horizon + more < before.horizon:
-                last = max(self._begin, plan.horizon + more)
-                given = plan.excluding_others(self._runner.actions(self._step + 1, last), waits[-1])
-                yield Question(self._first, last, given, conflicts=conflicts)
+        waits = WAITS if self._runner.program.actions_go_on else 0
+        last = max(self._begin, plan.horizon, min(plan.horizon + waits, before.horizon - 1))
+        given = plan.excluding_others(self._runner.actions(self._step + 1, last), waits)
+        yield Question(self._first, last, given, conflicts=conflicts)
+
+    def _cost(self, plan: Plan) -> Tuple[float, int]:
+        """The horizon; if actions can go on, first the time that robots take."""
+        program = self._runner.program
+        if program.optimizes or not program.actions_go_on:
+            return 0.0, plan.horizon
+        return time_cost(plan, self._plan, self._step, self._runner.durations)
 
     @property
     def is_proven(self) -> bool:

@@ -1,31 +1,33 @@
-"""Candidates for shorter plans: the same tasks in another order. The solver checks whether a candidate is a plan.
+"""Candidates for better plans: the same tasks in another order. The solver checks whether a candidate is a plan.
 
-The plan is read as a tour; if it has several actions at a step, as one tour for each robot. If an action repeats, all
-actions of its kind are *moves*, each to the place in its parameter. Other actions are *tasks* at the place of the last
-move. Tasks with the same parameter, such as a pickup and a delivery, form a *chain*: one robot does them, in the order
-of the plan. A chain is open from its first to its last task; in a candidate, no robot has more open chains than one has
-in the plan. Moves use the connections of the plan, and the first moves that the program allows. Most searches are
-optimistic: connections lead in both directions, robots without actions in the plan are in service, and moves at the end
-of the plan, which can make way for others, are superfluous. The last task of a chain is done when its robot first comes
-to its place.
+The plan is read as a tour of moves and tasks, see tour_actions.py; if it has several actions at a step, as one tour for
+each robot. Tasks are done at the place of the last move. Tasks with the same parameter, such as a pickup and a
+delivery, form a *chain*: one robot does them, in the order of the plan. A chain is open from its first to its last
+task; in a candidate, no robot has more open chains than one has in the plan. Moves use the connections of the plan, and
+the first moves that the program allows. Most searches are optimistic: connections lead in both directions and those of
+earlier moves are open, robots without actions in the plan are in service, and moves at the end of the plan, which can
+make way for others, are superfluous. The last task of a chain is done when its robot first comes to its place.
 
 The search is ruin and recreate (Schrimpf et al. 2000): it removes some chains with nearby tasks (Shaw 1998) and inserts
-each where it costs least. Like simulated annealing, it also accepts slightly longer tours.
+each where it costs least. Like simulated annealing, it also accepts tours that cost slightly more.
 """
 
 import math
-from collections import Counter, deque
+from collections import deque
 from functools import lru_cache
 from itertools import accumulate
 from operator import itemgetter
 from random import Random
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from statistics import mean
+from typing import Callable, Dict, Iterator, List, Optional, Sequence, Set, Tuple
 
 import clingo
 
 from rosoclingo.oclingo.program.action_rules import ACTION
 from rosoclingo.planning.history import Plan, cycle_of
 from rosoclingo.planning.question import Stop
+from rosoclingo.planning.strategies.keep_order import waits
+from rosoclingo.planning.strategies.tour_actions import Act, Durations, TourAction, moving_kinds, tour_actions
 
 EFFORT = 10_000
 """Number of rounds of a search multiplied by the number of tasks."""
@@ -36,17 +38,11 @@ REMOVED = 8
 OPTIMISM = 0.75
 """Probability of each optimistic assumption of a search, see :class:`Tours`."""
 
-OTHERS = 0.1
-"""Cost of a step of a tour that is not the longest one."""
+EARLY = 0.5
+"""Weight of the mean time until a chain is done, compared with the time of the longest tour."""
 
 FAR = 1_000_000
 """Number of moves to an unreachable place."""
-
-Robot = Tuple[clingo.Symbol, ...]
-"""The arguments of the interfaces of a robot; empty in a plan with one tour."""
-
-Act = Tuple[clingo.Symbol, clingo.Symbol]
-"""An action without robot and cycle: kind and parameter. A move stands for its place."""
 
 ANYWHERE: Act = (clingo.Infimum, clingo.Infimum)
 """The end of a tour whose last action is a task."""
@@ -55,29 +51,27 @@ Order = Tuple[int, ...]
 """The numbers of tasks."""
 
 
-class TourAction(NamedTuple):
-    """An action of a tour."""
-
-    cycle: int
-    robot: Robot
-    act: Act
-
-
 def reordered(
-    plan: Plan, step: int, random: Random, stopped: Stop, possible: Sequence[clingo.Symbol]
+    plan: Plan,
+    step: int,
+    random: Random,
+    stopped: Stop,
+    possible: Sequence[clingo.Symbol],
+    durations: Durations,
+    cost: Callable[[Plan], Tuple[float, int]],
 ) -> Optional[Plan]:
-    """Return a shorter candidate that differs from ``plan`` after ``step``; None if none is found.
+    """Return a candidate that costs less than ``plan`` and differs from it after ``step``; None if none is found.
 
     Robots do not wait in it, even if they are in each other's way. ``possible`` are the actions of an earlier step that
     were possible: the moves among them can be the first ones of robots that have not moved since then. The search ends
     when ``stopped`` returns true.
     """
     by_robot = _act_at_once(plan)
-    all_actions = _tour_actions(plan.actions, by_robot)
+    all_actions = tour_actions(plan.actions, by_robot)
     rest = [one for one in all_actions if one.cycle > step]
     past = [one for one in all_actions if one.cycle <= step]
     both_ways, idle_robots, free_ends = (random.random() < OPTIMISM for _ in range(3))
-    tours = Tours(past, rest, _tour_actions(possible, by_robot), both_ways, idle_robots, free_ends)
+    tours = Tours(past, rest, tour_actions(possible, by_robot), durations, both_ways, idle_robots, free_ends)
     if len({(one.cycle, one.robot) for one in rest}) < len(rest) or len(tours.chains) < 2:
         return None
     best = orders = tours.orders
@@ -89,8 +83,38 @@ def reordered(
             orders = others
             best = min(best, orders, key=tours.cost)
     actions = tours.actions(best, step + 1)
-    end = max(map(cycle_of, actions))
-    return Plan(frozenset(actions), end) if end < plan.horizon else None
+    found = Plan(frozenset(actions), max(map(cycle_of, actions)))
+    return found if cost(found) < cost(plan) else None
+
+
+def time_cost(plan: Plan, past: Plan, step: int, durations: Durations) -> Tuple[float, int]:
+    """Return the time from ``step`` to the end of ``plan``, with a part of the mean time of chains; and the horizon.
+
+    The actions up to ``step`` are those of the plan ``past``. Each action begins as early as the order of the plan
+    allows, see keep_order.py. All actions of unknown duration take as long as the slowest kind. For a plan with one
+    tour, only its horizon counts.
+    """
+    if not _act_at_once(past):
+        return 0.0, plan.horizon
+    actions = [one for one in past.actions if cycle_of(one) <= step]
+    acts = tour_actions([*actions, *plan.rest(step + 1).actions], by_robot=True)
+    present = {one[1:] for one in acts if one.cycle == step}
+    before = [one for one in acts if one.cycle < step and one[1:] not in present]
+    rest = [one for one in acts if one.cycle >= step]
+    times, moving = _times(durations), moving_kinds(before, rest)
+    ends: List[float] = []
+    done: Dict[clingo.Symbol, float] = {}
+    for (_, _, (kind, what)), others in zip(rest, waits(before, rest)):
+        ends.append(max((ends[number] for number in others), default=0.0) + times.get(kind, 1.0))
+        if kind not in moving:
+            done[what] = ends[-1]
+    return max(ends, default=0.0) + EARLY * mean(done.values() or [0.0]), plan.horizon
+
+
+def _times(durations: Durations) -> Dict[clingo.Symbol, float]:
+    """Return the ``durations``, compared with the longest."""
+    longest = max(durations.values(), default=0.0) or 1.0
+    return {kind: seconds / longest for kind, seconds in durations.items()}
 
 
 def _act_at_once(plan: Plan) -> bool:
@@ -99,16 +123,6 @@ def _act_at_once(plan: Plan) -> bool:
     return len(set(map(cycle_of, plan.actions))) < len(names) and all(
         one.type is clingo.SymbolType.Function and one.arguments for one in names
     )
-
-
-def _tour_actions(actions: Iterable[clingo.Symbol], by_robot: bool) -> List[TourAction]:
-    """Return ``actions`` sorted by cycle, as those of one tour or ``by_robot``."""
-    found = []
-    for one in sorted(actions, key=cycle_of):
-        name, what = one.arguments[:2]
-        robot, kind = (tuple(name.arguments), clingo.Function(name.name)) if by_robot else ((), name)
-        found.append(TourAction(cycle_of(one), robot, (kind, what)))
-    return found
 
 
 def _recreated(tours: "Tours", orders: List[Order], random: Random) -> Optional[List[Order]]:
@@ -140,35 +154,34 @@ class Tours:
         past: Sequence[TourAction],
         plan: Sequence[TourAction],
         possible: Sequence[TourAction],
+        durations: Durations,
         both_ways: bool,
         idle_robots: bool,
         free_ends: bool,
     ) -> None:
         """Read ``plan``, which follows the ``past``; the moves among the ``possible`` actions can be first ones.
 
-        If ``both_ways``, connections are symmetric. Robots without actions in the plan are used if ``idle_robots``.
-        If ``free_ends``, tours end with their last task, even if moves follow it in the plan.
+        If ``both_ways``, connections are symmetric, and those of the past are still open. Robots without actions in the
+        plan are used if ``idle_robots``. If ``free_ends``, tours end with their last task, even if moves follow it in
+        the plan.
         """
-        self._moving = {kind for (kind, _), count in Counter(one.act for one in plan).items() if count > 1}
+        self._moving, times = moving_kinds(past, plan), _times(durations)
+        self._move_time = mean([times.get(kind, 1.0) for kind in self._moving] or [1.0])
         self._robots = sorted({one.robot for one in (*plan, *((*past, *possible) if idle_robots else ()))})
-        self._exits: Dict[Act, List[Act]] = {}
+        self._exits: Dict[Act, Dict[Act, None]] = {}
         self._tasks: List[Act] = []
         self.orders: List[Order] = []
         places, starts, ends = [], [], []  # type: List[Act], List[Act], List[Act]
         for number, robot in enumerate(self._robots):
             moves = [one.act for one in past if one.robot == robot and self._moves(one.act)]
-            here = moves[-1] if moves else (clingo.Infimum, clingo.Number(number))
+            first = [one.act for one in possible if one.robot == robot and self._moves(one.act)]
+            here = self._start(number, moves, first, both_ways)
             starts.append(here)
-            if not moves:
-                first = [one.act for one in possible if one.robot == robot and self._moves(one.act)]
-                self._exits[here] = [*dict.fromkeys(first)]
             order: List[int] = []
             acts = [one.act for one in plan if one.robot == robot]
             for act in acts:
                 if self._moves(act):
-                    self._exits.setdefault(here, []).append(act)
-                    if both_ways and self._moves(here):
-                        self._exits.setdefault(act, []).append(here)
+                    self._connect(here, act, both_ways and self._moves(here))
                     here = act
                 else:
                     order.append(len(self._tasks))
@@ -176,8 +189,9 @@ class Tours:
                     places.append(here)
             self.orders.append(tuple(order))
             ends.append(here if acts and self._moves(acts[-1]) and not free_ends else ANYWHERE)
+        self._task_times = [times.get(kind, 1.0) for kind, _ in self._tasks]
         self._places = [*places, *starts, *ends]  # of the tasks, and of the starts and ends of the tours
-        self._find_chains()
+        self._find_chains([one for one in past if not self._moves(one.act)])
         self._ways = {place: self._ways_from(place) for place in self._places}
         ways = [self._ways[place] for place in self._places]
         self._distances = [[len(way[place]) if place in way else FAR for place in self._places] for way in ways]
@@ -188,15 +202,37 @@ class Tours:
     def _moves(self, act: Act) -> bool:
         return act[0] in self._moving
 
-    def _find_chains(self) -> None:
+    def _start(self, number: int, moves: Sequence[Act], first: Sequence[Act], both_ways: bool) -> Act:
+        """Return where the robot with this number is after its ``moves``; its ``first`` move can be one of these."""
+        if not moves:
+            here = (clingo.Infimum, clingo.Number(number))
+            self._exits[here] = dict.fromkeys(first)
+            return here
+        for before, after in zip(moves, moves[1:]) if both_ways else ():
+            self._connect(before, after, both_ways=True)
+        return moves[-1]
+
+    def _connect(self, here: Act, there: Act, both_ways: bool) -> None:
+        self._exits.setdefault(here, {})[there] = None
+        if both_ways:
+            self._exits.setdefault(there, {})[here] = None
+
+    def _find_chains(self, past: Sequence[TourAction]) -> None:
         chains: Dict[clingo.Symbol, List[int]] = {}
         for task, (_, parameter) in enumerate(self._tasks):
             chains.setdefault(parameter, []).append(task)
         self.chains = [*chains.values()]
+        self._last = {chain[-1] for chain in self.chains}
         self.chain_of = {task: number for number, chain in enumerate(self.chains) for task in chain}
-        # A chain is open at the start if its tasks are the last kinds of a longer chain; it stays with its robot.
+        # A chain is open at the start if it begins with a later kind of task; it stays with its robot.
+        done: Dict[clingo.Symbol, Set[clingo.Symbol]] = {}
+        for _, _, (kind, parameter) in past:
+            done.setdefault(parameter, set()).add(kind)
         kinds = [[self._tasks[task][0] for task in chain] for chain in self.chains]
-        self._begun = [any(len(a) > len(b) and a[-len(b) :] == b for a in kinds) for b in kinds]
+        self._begun = [
+            bool(done.get(parameter, set()).difference(b)) or any(len(a) > len(b) and a[-len(b) :] == b for a in kinds)
+            for parameter, b in zip(chains, kinds)
+        ]
         self._opens = {
             task: (task == chain[0] and not begun) - (task == chain[-1])
             for chain, begun in zip(self.chains, self._begun)
@@ -228,13 +264,21 @@ class Tours:
         return (start, *order, start + len(self._robots))
 
     def cost(self, orders: Sequence[Order]) -> float:
-        """Return the steps of the longest tour, and a part of those of the others."""
-        steps = [self._steps(robot, order) for robot, order in enumerate(orders)]
-        return max(steps) + OTHERS * (sum(steps) - max(steps))
+        """Return the time of the longest tour; for several ones, also a part of the mean time until a chain is done."""
+        times = [self._steps(robot, order) for robot, order in enumerate(orders)]
+        late = sum(late for _, late in times) / len(self.chains) if len(orders) > 1 else 0.0
+        return max(end for end, _ in times) + EARLY * late
 
-    def _count_steps(self, robot: int, order: Order) -> int:
+    def _count_steps(self, robot: int, order: Order) -> Tuple[float, float]:
+        """Return the time of a tour, and the sum of the times until its chains are done."""
         stops = self._stops(robot, order)
-        return len(order) + sum(self._distances[a][b] for a, b in zip(stops, stops[1:]))
+        end = late = 0.0
+        for before, after in zip(stops, stops[1:]):
+            end += self._move_time * self._distances[before][after]
+            if after < len(self._tasks):
+                end += self._task_times[after]
+                late += end if after in self._last else 0.0
+        return end, late
 
     def nearest(self, task: int) -> Order:
         """Return all tasks, nearest to ``task`` first."""

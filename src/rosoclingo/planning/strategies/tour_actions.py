@@ -57,9 +57,10 @@ def _repeated(actions: Sequence[TourAction]) -> Set[clingo.Symbol]:
 
 
 def durations_of(facts: Iterable[clingo.Symbol]) -> Durations:
-    """Return the durations in the facts ``_takes(A,any,S)``: the mean of all robots."""
+    """Return the durations in the facts ``_takes(A,any,S)``: the mean of all robots. Other facts are ignored."""
     seconds: Dict[clingo.Symbol, List[int]] = {}
     for name, what, number in (one.arguments for one in facts):
-        if what == ANY and name.type is clingo.SymbolType.Function:
+        types = name.type, number.type
+        if what == ANY and types == (clingo.SymbolType.Function, clingo.SymbolType.Number) and number.number >= 0:
             seconds.setdefault(clingo.Function(name.name), []).append(number.number)
     return {kind: mean(some) for kind, some in seconds.items()}
