@@ -7,6 +7,7 @@ from clingo.ast import ASTType, ComparisonOperator, Sign
 
 from rosoclingo.checking.lint.argument_values import ArgumentValues
 from rosoclingo.oclingo.errors import Fault
+from rosoclingo.oclingo.program.action_rules import RUNNING, TAKES
 from rosoclingo.oclingo.program.checks import KEYWORDS
 from rosoclingo.oclingo.program.likeness import did_you_mean, likely_spelling, likely_value
 from rosoclingo.oclingo.program.literals import is_plain_atom, names_in
@@ -37,6 +38,7 @@ def unused_predicates(survey: Survey) -> List[Fault]:
         {one for one, places in survey.using.items() if any(not _defines_alone(place) for place in places)}
         | survey.shown.keys()
         | _OUTGOING
+        | ({TAKES} if RUNNING in survey.opened else set())  # the planner compares plans by it
     )
     for signature in [*survey.opened, *survey.declaring, *survey.defining]:
         if signature in looked_at:

@@ -107,6 +107,15 @@ def test_lint_places_translation_warnings():
     assert (one.fault.kind, one.fault.line) == ("translation", 3)
 
 
+@pytest.mark.parametrize(("running", "kinds"), [("#external _running/3.", []), ("", ["unused"])])
+def test_lint_knows_that_the_planner_reads_durations(running, kinds):
+    """A program whose actions go on can declare them without a rule that uses them."""
+    rules = "_action_lib(go,a,t) :- not busy(t).\nbusy(t) :- _return(go,a,t).\n#show _action_lib/3.\n"
+    text = f"{running}\n#external _takes/3.\n#external _return/3.\n#program cumulative(t).\n{rules}"
+    found = lint_programs.lint([Source("p.lp", text)])
+    assert [one.fault.kind for one in found if "_takes" in one.fault.message] == kinds
+
+
 # ---- silenced findings -----------------------------------------------------------------------------------------------
 
 
