@@ -216,7 +216,8 @@ class Improvement:
         plan = reordered(before, self._step, self._random, stopped, possible, self._runner.durations, self._cost)
         if plan is None:
             return
-        waits = WAITS if self._runner.program.actions_go_on else 0
+        several = len(plan.actions) > plan.horizon - self._step  # a single robot waits for nobody
+        waits = WAITS if self._runner.program.actions_go_on and several else 0
         last = max(self._begin, plan.horizon, min(plan.horizon + waits, before.horizon - 1))
         given = plan.excluding_others(self._runner.actions(self._step + 1, last), waits)
         yield Question(self._first, last, given, conflicts=conflicts)
