@@ -6,6 +6,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 
 from clingo import Function, Number, Symbol
 
+from rosoclingo.oclingo.program.action_rules import ANY
 from rosoclingo.reasoning.input_feeder import InputFeeder
 from rosoclingo.reasoning.keywords import TAKES, Action
 from rosoclingo.reasoning.records import PersistentPart, tables
@@ -18,9 +19,6 @@ LEAST = 2
 
 #: Greatest number of actions whose durations are remembered.
 MOST = 300
-
-#: Stands for all parameters of an interface in ``_takes(A,any,S)``.
-ANY = Function("any")
 
 
 class _Statistics(NamedTuple):

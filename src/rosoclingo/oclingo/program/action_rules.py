@@ -23,6 +23,8 @@ RETURN = Signature("_return", 3)
 FAILED = Signature("_failed", 3)
 RUNNING = Signature("_running", 3)
 TAKES = Signature("_takes", 3)
+ANY = clingo.Function("any")
+"""Stands for all parameters of an interface in ``_takes(A,any,S)``."""
 STEPS = Signature("_steps", 2)
 """``_steps(N,C)``: the program claims that a plan from cycle C on has at least N steps; #sup: there is none."""
 BEYOND = Signature("__oclingo_beyond", 1)

@@ -82,7 +82,7 @@ class Improvement:
 
         The plan is trimmed unless a stop ends that. If actions can go on while others end, the next calls trim it.
         """
-        self._runner = runner
+        self._runner, self._durations = runner, runner.durations
         # the first cycle that is not closed in the grounding can precede the present step
         cycles = [runner.step, self._step, *map(cycle_of, self._plan.actions)]
         self._present = self._plan.fixing(runner.actions(min(cycles), self._step))
@@ -122,7 +122,7 @@ class Improvement:
         return (yield from (self._cheaper if question.best else self._shorter)(question))
 
     def _shorter(self, question: Question) -> Strategy[Optional[Reply]]:
-        """Return the answer to ``question`` if its plan is shorter, or takes several robots less time."""
+        """Return the answer to ``question`` if its plan is better, see :meth:`_cost`."""
         last = min(question.last, self._runner.horizon)  # the grounding does not grow
         if last < self._begin:  # earlier questions of the round have excluded all shorter plans
             return None
@@ -213,7 +213,7 @@ class Improvement:
         """Yield questions about another order of the tasks, in which robots can wait for each other."""
         before = self._plan
         stopped, possible = self._runner.is_stopped, self._runner.first_actions
-        plan = reordered(before, self._step, self._random, stopped, possible, self._runner.durations, self._cost)
+        plan = reordered(before, self._step, self._random, stopped, possible, self._durations, self._cost)
         if plan is None:
             return
         several = len(plan.actions) > plan.horizon - self._step  # a single robot waits for nobody
@@ -227,7 +227,7 @@ class Improvement:
         program = self._runner.program
         if program.optimizes or not program.actions_go_on:
             return 0.0, plan.horizon
-        return time_cost(plan, self._plan, self._step, self._runner.durations)
+        return time_cost(plan, self._plan, self._step, self._durations)
 
     @property
     def is_proven(self) -> bool:

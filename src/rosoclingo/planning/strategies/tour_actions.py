@@ -12,6 +12,7 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Set, Tup
 
 import clingo
 
+from rosoclingo.oclingo.program.action_rules import ANY
 from rosoclingo.planning.history import cycle_of
 
 Robot = Tuple[clingo.Symbol, ...]
@@ -22,8 +23,6 @@ Act = Tuple[clingo.Symbol, clingo.Symbol]
 
 Durations = Mapping[clingo.Symbol, float]
 """Kind of actions -> mean duration in seconds; those of other kinds are unknown."""
-
-ANY = clingo.Function("any")
 
 
 class TourAction(NamedTuple):
